@@ -1,0 +1,178 @@
+// A machine: a gyrostat tree with the forces that act on it. Derivation: README.md, section 3.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "services/model/tree.hpp"
+
+namespace gyrotwin::model {
+
+inline constexpr double kGravity = 9.81;  ///< [m/s^2]
+inline constexpr int kMaxDrives = 4;
+inline constexpr int kMaxGyros = kMaxRotors;
+
+/// What changes in time. Entries beyond the machine's coordinates and rotors are 0.
+struct State {
+  Coordinates q = Coordinates::Zero();  ///< generalised coordinates [rad]
+  Coordinates v = Coordinates::Zero();  ///< their rates [rad/s]
+  RotorSpeeds rotor_speed{};  ///< relative to the gyro's frame, about its spin axis [rad/s]
+
+  bool finite() const noexcept { return q.allFinite() && v.allFinite(); }
+};
+
+/// How Input::drive is meant.
+enum class DriveMode : std::uint8_t {
+  kTorque,       ///< torque [N m], within the motor line and the torque limit
+  kVoltage,      ///< motor voltage [V], within the supply
+  kIdealTorque,  ///< torque [N m] from a drive without limits
+};
+
+/// What acts on the machine from outside.
+struct Input {
+  DriveMode mode = DriveMode::kTorque;
+  std::array<double, kMaxDrives> drive{};            ///< per drive, unit as in mode
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< world, at the structure's push point [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< world, on the structure [N m]
+};
+
+/// A DC motor behind a gear; the electrical time constant is neglected.
+struct Motor {
+  double torque_constant;  ///< Kt [N m/A] = [V s/rad]
+  double gear_ratio;       ///< G, motor turns per output turn [1]
+  double resistance;       ///< Rm [Ohm]
+  double supply_voltage;   ///< Vb [V]
+
+  /// Torque at the output [N m] for a voltage [V] at output speed [rad/s].
+  double torque(double voltage, double rate) const noexcept {
+    const double k = torque_constant * gear_ratio;
+    return k * (voltage - k * rate) / resistance;
+  }
+};
+
+/// A torque that the machine can be commanded: on the disc about z_D with its reaction on the
+/// structure, or on a gimbal coordinate.
+struct Drive {
+  enum class Kind : std::uint8_t { kDisc, kGimbal };
+  Kind kind = Kind::kGimbal;
+  int coordinate = 0;          ///< the coordinate it turns
+  std::optional<Motor> motor;  ///< absent: limited by torque_limit alone, no voltage mode
+  double torque_limit;         ///< of the rig [N m]
+
+  /// Lowest and highest torque [N m] it can exert at a rate [rad/s].
+  std::array<double, 2> range(double rate) const noexcept;
+  /// What it exerts when asked for `command` at a rate [rad/s].
+  double torque(DriveMode mode, double command, double rate) const noexcept;
+};
+
+/// One-sided springs at both ends of a coordinate, damped while moving further in.
+struct Stop {
+  int coordinate;
+  double lower, upper;  ///< [rad]
+  double stiffness;     ///< [N m/rad]
+};
+
+/// Outer axles of the gyros on a plane ring fixed in the structure (Hunt-Crossley contact).
+struct Track {
+  double tip;                       ///< axle tip from the gyro's pivot along its body x axis [m]
+  double height;                    ///< of the lower track in the structure's frame [m]
+  std::optional<double> clearance;  ///< an upper track this far above the lower one [m]
+  double stiffness;                 ///< kc [N/m^1.5]
+  double damping;                   ///< cc [s/m]
+  double rolling_drag;              ///< mu [1]
+};
+
+/// Spring and dampers between disc and structure against relative tilt.
+struct TiltBushing {
+  double stiffness = 0.0;         ///< k [N m/rad]
+  double rotating_damping = 0.0;  ///< fixed in the spinning disc [N m s/rad]
+  double standing_damping = 0.0;  ///< fixed in the structure [N m s/rad]
+};
+
+/// Friction between disc and structure about z_D: -(viscous w + coulomb tanh(w / kCreep)).
+struct DiscFriction {
+  static constexpr double kCreep = 0.05;  ///< [rad/s]
+  double viscous = 0.0;                   ///< bD [N m s/rad]
+  double coulomb = 0.0;                   ///< fcD [N m]
+};
+
+/// Where the quantities that people name are among the coordinates; kFixed where a machine has
+/// none.
+struct Layout {
+  struct Gimbal {
+    int coordinate = kFixed;
+    double coefficient = 1.0;  ///< gimbal angle = coefficient * q[coordinate]
+  };
+  std::vector<std::string> names;  ///< of the coordinates, as in CSV columns
+  std::array<int, 2> tilt{kFixed, kFixed};
+  std::array<int, 2> disc_tilt{kFixed, kFixed};
+  bool disc_follows_structure = false;  ///< mount `rigid`: the disc's tilt is the structure's
+  int disc = kFixed;
+  std::vector<Gimbal> gimbals;
+};
+
+/// The platform in the words of the wire; groups a machine lacks are 0. Angles and frames:
+/// state_t.lcm.
+struct Observation {
+  std::array<double, 2> tilt{}, tilt_rate{};                    ///< [rad], [rad/s]
+  std::array<double, 2> disc_tilt{}, disc_tilt_rate{};          ///< [rad], [rad/s]
+  double disc_angle = 0.0, disc_rate = 0.0;                     ///< [rad], [rad/s]
+  std::array<double, kMaxGyros> gimbal_angle{}, gimbal_rate{};  ///< [rad], [rad/s]
+  std::array<double, kMaxGyros> rotor_speed{};                  ///< [rad/s]
+};
+
+/// What no sensor can know.
+struct Truth {
+  std::array<double, kMaxGyros> contact_lower{}, contact_upper{};  ///< normal forces [N]
+  std::array<double, 2>
+      holding_moment{};           ///< about x, y, by an external support; mount `level` [N m]
+  double kinetic_energy = 0.0;    ///< quadratic part T2: constant rotor spin left out [J]
+  double potential_energy = 0.0;  ///< gravity, stops, contact and bushing springs [J]
+  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  ///< about the ground pivot [N m s]
+  double gimbal_margin = 0.0;                     ///< to the closest stop, < 0 in it [rad]
+  std::array<double, kMaxDrives> drive_torque{};  ///< what the drives exert [N m]
+  std::array<double, kMaxDrives> drive_margin{};  ///< what they could add in that direction [N m]
+};
+
+/// Made by build(UmbrellaParameters) and build(GimballedParameters); body 0 is the structure.
+struct Machine {
+  Tree tree;
+  Layout layout;
+  double gravity = kGravity;
+  RotorSpeeds nominal_rotor_speed{};
+  int rotors = 0;
+  Eigen::Vector3d push_point = Eigen::Vector3d::Zero();  ///< of Input::force, structure frame [m]
+  Coordinates damping = Coordinates::Zero();             ///< viscous, per coordinate [N m s/rad]
+  std::vector<Stop> stops{};
+  std::vector<Drive> drives{};
+  int disc_body = kFixed;  ///< partner of the structure for friction, bushing and disc drive
+  DiscFriction disc_friction{};
+  TiltBushing bushing{};
+  std::optional<Track> track{};  ///< the gyros are the bodies with a rotor
+  /// Mount `level` only: the same machine with the disc free, which tells the holding moment.
+  std::shared_ptr<const Machine> unheld{};
+
+  int coordinates() const { return tree.coordinates(); }
+  /// Nominal rotor speeds at (q, v); missing entries are 0.
+  State state(const std::vector<double>& q, const std::vector<double>& v) const;
+
+  /// q'' [rad/s^2]. Not finite where the mass matrix is singular (|thy| = 90 deg). Does not
+  /// allocate.
+  Coordinates acceleration(const State& state, const Input& input) const noexcept;
+  /// Rate that drive i works against [rad/s].
+  double drive_rate(int drive, const State& state) const noexcept;
+  Observation observe(const State& state) const noexcept;
+  /// Inverse of observe(); the observation must come from the same machine.
+  State recall(const Observation& observation) const noexcept;
+  Truth truth(const State& state, const Input& input) const noexcept;
+  /// dL/dq' = M v + rotor momenta: conserved for coordinates that nothing acts on [N m s].
+  Coordinates generalised_momentum(const State& state) const noexcept;
+  /// Angle between the structure's axis and the vertical [rad].
+  double tilt(const State& state) const noexcept;
+};
+
+}  // namespace gyrotwin::model

@@ -1,0 +1,204 @@
+#include "services/model/tree.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace gyrotwin::model {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+IndexList list_of(unsigned mask) {
+  IndexList list;
+  for (std::uint8_t i = 0; i < kMaxCoordinates; ++i) {
+    if (mask & (1u << i)) list.index[list.size++] = i;
+  }
+  return list;
+}
+
+/// R <- R Rot(axis, angle): only two columns change.
+void turn(Matrix3d& R, Axis axis, double s, double c) {
+  const int a = (static_cast<int>(axis) + 1) % 3;
+  const int b = (static_cast<int>(axis) + 2) % 3;
+  const Vector3d A = R.col(a);
+  const Vector3d B = R.col(b);
+  R.col(a) = c * A + s * B;
+  R.col(b) = c * B - s * A;
+}
+
+}  // namespace
+
+Tree::Tree(std::vector<Body> bodies, int coordinates)
+    : bodies_(std::move(bodies)), n_(coordinates) {
+  if (n_ < 1 || n_ > kMaxCoordinates) throw std::invalid_argument("tree: 1 to 6 coordinates");
+  if (bodies_.size() > kMaxBodies) throw std::invalid_argument("tree: at most 6 bodies");
+  std::array<unsigned, kMaxBodies> linear{}, angular{};
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    const auto name = "tree: body " + std::to_string(b);
+    const int here = static_cast<int>(b);
+    if (body.position_parent >= here || body.orientation_parent >= here) {
+      throw std::invalid_argument(name + ": parents must come first");
+    }
+    ResolvedBody& resolved = resolved_[b];
+    if (body.rotations.size() > resolved.rotation.size()) {
+      throw std::invalid_argument(name + ": at most 4 rotations");
+    }
+    if (body.rotor_index >= kMaxRotors) throw std::invalid_argument(name + ": no such rotor");
+    if (body.position_parent != kGround) {
+      linear[b] = linear[body.position_parent];
+      if (!body.pivot.isZero(0)) linear[b] |= angular[body.position_parent];
+    }
+    if (body.orientation_parent != kGround) angular[b] = angular[body.orientation_parent];
+    for (const Rotation& r : body.rotations) {
+      if (r.coordinate >= n_) throw std::invalid_argument(name + ": no such coordinate");
+      if (r.coordinate != kFixed) angular[b] |= 1u << r.coordinate;
+      resolved.rotation[resolved.rotations++] = {r.axis,   r.coordinate,       r.coefficient,
+                                                 r.offset, std::sin(r.offset), std::cos(r.offset)};
+    }
+    resolved.cm_at_pivot = body.cm.isZero(0);
+    resolved.linear = list_of(linear[b]);
+    resolved.angular = list_of(angular[b]);
+    resolved.only_angular = list_of(angular[b] & ~linear[b]);
+    resolved.linear_cm = list_of(resolved.cm_at_pivot ? linear[b] : linear[b] | angular[b]);
+  }
+}
+
+void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeeds& rotor_speed,
+                    double gravity, Motion& motion) const noexcept {
+  motion.M.setZero();
+  motion.f.setZero();
+
+  // Gears share coordinates, so one sine and cosine per coordinate serves all unit gearings.
+  std::array<double, kMaxCoordinates> sin_q, cos_q;
+  for (int i = 0; i < n_; ++i) {
+    sin_q[i] = std::sin(q[i]);
+    cos_q[i] = std::cos(q[i]);
+  }
+
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    const ResolvedBody& resolved = resolved_[b];
+    Frame& frame = motion.frame[b];
+
+    // The pivot, carried by the position parent.
+    frame.p.setZero();
+    frame.v.setZero();
+    frame.a0.setZero();
+    for (int i : resolved.linear) frame.Jv[i].setZero();
+    if (body.position_parent != kGround) {
+      const Frame& parent = motion.frame[body.position_parent];
+      const Vector3d rho = parent.R * body.pivot;
+      frame.p = parent.p + rho;
+      const Vector3d v_rho = parent.omega.cross(rho);
+      frame.v = parent.v + v_rho;
+      frame.a0 = parent.a0 + parent.alpha0.cross(rho) + parent.omega.cross(v_rho);
+      for (int i : linear(body.position_parent)) frame.Jv[i] = parent.Jv[i];
+      for (int i : angular(body.position_parent)) frame.Jv[i] += parent.Jw[i].cross(rho);
+    }
+
+    // The orientation, turned from the orientation parent's by the joint's rotations.
+    for (int i : resolved.angular) frame.Jw[i].setZero();
+    if (body.orientation_parent != kGround) {
+      const Frame& parent = motion.frame[body.orientation_parent];
+      frame.R = parent.R;
+      frame.omega = parent.omega;
+      frame.alpha0 = parent.alpha0;
+      for (int i : angular(body.orientation_parent)) frame.Jw[i] = parent.Jw[i];
+    } else {
+      frame.R.setIdentity();
+      frame.omega.setZero();
+      frame.alpha0.setZero();
+    }
+    for (int r = 0; r < resolved.rotations; ++r) {
+      const ResolvedRotation& rotation = resolved.rotation[r];
+      double s = rotation.sin, c = rotation.cos;
+      if (rotation.coordinate != kFixed) {
+        const int i = rotation.coordinate;
+        const double k = rotation.coefficient;
+        const Vector3d e = frame.R.col(static_cast<int>(rotation.axis));
+        frame.alpha0 += frame.omega.cross(k * v[i] * e);
+        frame.omega += k * v[i] * e;
+        frame.Jw[i] += k * e;
+        if (rotation.offset == 0.0 && (k == 1.0 || k == -1.0)) {
+          s = k * sin_q[i];
+          c = cos_q[i];
+        } else {
+          s = std::sin(rotation.offset + k * q[i]);
+          c = std::cos(rotation.offset + k * q[i]);
+        }
+      }
+      turn(frame.R, rotation.axis, s, c);
+    }
+
+    // Linear inertia and weight, at the centre of mass.
+    Jacobian Jv = frame.Jv;
+    Vector3d a0 = frame.a0;
+    motion.p_cm[b] = frame.p;
+    motion.v_cm[b] = frame.v;
+    if (!resolved.cm_at_pivot) {
+      const Vector3d rho = frame.R * body.cm;
+      const Vector3d v_rho = frame.omega.cross(rho);
+      motion.p_cm[b] += rho;
+      motion.v_cm[b] += v_rho;
+      a0 += frame.alpha0.cross(rho) + frame.omega.cross(v_rho);
+      for (int i : resolved.only_angular) Jv[i].setZero();
+      for (int i : resolved.angular) Jv[i] += frame.Jw[i].cross(rho);
+    }
+    a0.z() += gravity;
+    for (int i : resolved.linear_cm) {
+      const Vector3d m_Jv = body.mass * Jv[i];
+      motion.f[i] -= m_Jv.dot(a0);
+      for (int j : resolved.linear_cm) {
+        if (j > i) break;
+        motion.M(i, j) += m_Jv.dot(Jv[j]);
+      }
+    }
+
+    // Angular inertia and gyroscopic moment, in body axes where the inertia is diagonal.
+    motion.h[b] = body.rotor_index < 0 ? Vector3d::Zero()
+                                       : Vector3d(body.rotor * rotor_speed[body.rotor_index]);
+    const Vector3d omega = frame.R.transpose() * frame.omega;
+    const Vector3d alpha0 = frame.R.transpose() * frame.alpha0;
+    const Vector3d moment = body.inertia.cwiseProduct(alpha0) +
+                            omega.cross(body.inertia.cwiseProduct(omega) + motion.h[b]);
+    Jacobian Jw;
+    for (int i : resolved.angular) Jw[i] = frame.R.transpose() * frame.Jw[i];
+    for (int i : resolved.angular) {
+      const Vector3d I_Jw = body.inertia.cwiseProduct(Jw[i]);
+      motion.f[i] -= Jw[i].dot(moment);
+      for (int j : resolved.angular) {
+        if (j > i) break;
+        motion.M(i, j) += I_Jw.dot(Jw[j]);
+      }
+    }
+  }
+}
+
+Coordinates solve(const MassMatrix& M, const Coordinates& b, int n) noexcept {
+  MassMatrix L;
+  Coordinates x = Coordinates::Zero();
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double sum = M(i, j);
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      L(i, j) = i == j ? std::sqrt(sum) : sum / L(j, j);
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    double sum = b[i];
+    for (int k = 0; k < i; ++k) sum -= L(i, k) * x[k];
+    x[i] = sum / L(i, i);
+  }
+  for (int i = n - 1; i >= 0; --i) {
+    double sum = x[i];
+    for (int k = i + 1; k < n; ++k) sum -= L(k, i) * x[k];
+    x[i] = sum / L(i, i);
+  }
+  return x;
+}
+
+}  // namespace gyrotwin::model

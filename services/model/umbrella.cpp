@@ -1,0 +1,140 @@
+#include "services/model/umbrella.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace gyrotwin::model {
+
+namespace {
+
+constexpr int kStructure = 0;
+constexpr int kDisc = 1;
+
+Layout layout_of(const UmbrellaParameters& p) {
+  Layout layout;
+  layout.tilt = {0, 1};
+  if (p.mount == Mount::kUniversalJoint) {
+    layout.names = {"thx", "thy", "bx", "by", "phi", "tg"};
+    layout.disc_tilt = {2, 3};
+    layout.disc = 4;
+  } else {
+    layout.names = {"thx", "thy", "phi", "tg"};
+    layout.disc = 2;
+  }
+  layout.disc_follows_structure = p.mount == Mount::kRigid;
+  layout.gimbals.assign(p.gyros.count, {layout.disc + 1, 1.0});
+  return layout;
+}
+
+Body structure_body(const UmbrellaParameters::Structure& s) {
+  Body body;
+  body.rotations = {{Axis::kX, 0}, {Axis::kY, 1}};
+  body.mass = s.mass;
+  body.cm = {0.0, 0.0, s.cm_height};
+  const double steiner = s.mass * s.cm_height * s.cm_height;
+  body.inertia = {s.inertia_x - steiner, s.inertia_y - steiner, s.inertia_z};
+  return body;
+}
+
+double polar_inertia(const UmbrellaParameters& p) {
+  const double G = p.drive.motor.gear_ratio;
+  return p.disc.inertia_polar + p.drive.motor_inertia * G * G;
+}
+
+Body disc_body(const UmbrellaParameters& p, const Layout& layout) {
+  Body body;
+  body.position_parent = kStructure;
+  body.orientation_parent = p.mount == Mount::kRigid ? kStructure : kGround;
+  body.pivot = {0.0, 0.0, p.disc.joint_height};
+  if (p.mount == Mount::kUniversalJoint) {
+    body.rotations = {{Axis::kX, layout.disc_tilt[0]}, {Axis::kY, layout.disc_tilt[1]}};
+  }
+  body.rotations.push_back({Axis::kZ, layout.disc});
+  body.mass = p.disc.mass;
+  body.cm = {0.0, 0.0, p.disc.cm_offset};
+  body.inertia = {p.disc.inertia_planar, p.disc.inertia_planar, polar_inertia(p)};
+  return body;
+}
+
+/// Body x axis: the spin axis s_j, outward. Raising the outer end is a turn about -e_t.
+Body gyro_body(const UmbrellaParameters::Gyros& g, int j, int elevation) {
+  const double azimuth = 2.0 * std::numbers::pi * j / g.count;
+  Body body;
+  body.position_parent = kDisc;
+  body.orientation_parent = kDisc;
+  body.pivot = {g.pivot_radius * std::cos(azimuth), g.pivot_radius * std::sin(azimuth),
+                g.pivot_height};
+  body.rotations = {{Axis::kZ, kFixed, 1.0, azimuth}, {Axis::kY, elevation, -1.0}};
+  body.mass = g.mass;
+  body.cm = {g.cm_distance, 0.0, 0.0};
+  body.inertia = {g.inertia_axial, g.inertia_transverse, g.inertia_transverse};
+  body.rotor = {g.rotor_inertia, 0.0, 0.0};
+  body.rotor_index = j;
+  return body;
+}
+
+Machine assemble(const UmbrellaParameters& p) {
+  const Layout layout = layout_of(p);
+  const int elevation = layout.disc + 1;
+  std::vector<Body> bodies{structure_body(p.structure), disc_body(p, layout)};
+  for (int j = 0; j < p.gyros.count; ++j) bodies.push_back(gyro_body(p.gyros, j, elevation));
+
+  Machine machine{Tree(std::move(bodies), elevation + 1), layout};
+  machine.rotors = p.gyros.count;
+  for (int j = 0; j < p.gyros.count; ++j) machine.nominal_rotor_speed[j] = p.gyros.rotor_speed;
+  machine.push_point = {0.0, 0.0, p.structure.cm_height};
+  machine.damping[0] = machine.damping[1] = p.structure.damping;
+  machine.damping[elevation] = p.gyros.damping;
+  machine.stops = {{elevation, p.gyros.stop_lower, p.gyros.stop_upper, p.gyros.stop_stiffness}};
+  machine.drives = {{Drive::Kind::kDisc, layout.disc, p.drive.motor, p.drive.torque_limit}};
+  machine.disc_body = kDisc;
+  machine.disc_friction = {p.disc.viscous_friction, p.disc.coulomb_friction};
+  machine.bushing = p.bushing;
+  if (p.track != TrackKind::kNone) {
+    const double height = p.disc.joint_height + p.gyros.pivot_height +
+                          p.gyros.axle_length * std::sin(p.gyros.ring_elevation);
+    machine.track = {p.gyros.axle_length, height,
+                     std::nullopt,        p.contact.stiffness,
+                     p.contact.damping,   p.contact.rolling_drag};
+    if (p.track == TrackKind::kSlot) machine.track->clearance = p.contact.slot_clearance;
+  }
+  return machine;
+}
+
+}  // namespace
+
+Machine build(const UmbrellaParameters& parameters) {
+  if (parameters.gyros.count < 3 || parameters.gyros.count > kMaxGyros) {
+    throw std::invalid_argument("umbrella: 3 or 4 gyros");
+  }
+  Machine machine = assemble(parameters);
+  if (parameters.mount == Mount::kLevel) {
+    UmbrellaParameters unheld = parameters;
+    unheld.mount = Mount::kUniversalJoint;
+    machine.unheld = std::make_shared<const Machine>(assemble(unheld));
+  }
+  return machine;
+}
+
+ReducedUmbrella reduce(const UmbrellaParameters& p) {
+  const auto& g = p.gyros;
+  const double s = std::sin(g.ring_elevation);
+  const double c = std::cos(g.ring_elevation);
+  const double rho = g.pivot_radius + g.cm_distance * c;
+  const double moving_mass = p.disc.mass + g.count * g.mass;
+  const double hd = p.disc.joint_height;
+
+  ReducedUmbrella r;
+  r.k = (g.pivot_radius + g.axle_length) / g.axle_length;
+  r.Nh = g.count * g.rotor_inertia * g.rotor_speed;
+  r.H = r.Nh * r.k;
+  const double Jg = g.count * (g.inertia_transverse + g.mass * g.cm_distance * g.cm_distance);
+  r.A = p.structure.inertia_x + moving_mass * hd * hd + Jg * r.k * r.k;
+  r.C = polar_inertia(p) +
+        g.count * (g.mass * rho * rho + g.inertia_transverse * c * c + g.inertia_axial * s * s);
+  r.U = kGravity * (p.structure.mass * p.structure.cm_height + moving_mass * hd);
+  return r;
+}
+
+}  // namespace gyrotwin::model

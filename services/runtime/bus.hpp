@@ -1,0 +1,105 @@
+// The only code that knows the wire: LCM's short messages over UDP multicast, signed, on a socket of
+// our own. Rules and reasons: messages/README.md.
+#pragma once
+
+#include <netinet/in.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "messages/channels.hpp"
+
+namespace gyrotwin {
+
+using Key = std::array<std::uint8_t, 32>;
+
+/// What a bus needs to open.
+struct BusConfig {
+  std::string prefix;         ///< `<RIG>` of every channel name
+  std::int32_t rig_id = 0;    ///< header.rig_id
+  std::int32_t source = 0;    ///< header.source of what is sent
+  std::string group;          ///< IPv4 multicast group
+  int port = 0;               ///< UDP port
+  std::string interface;      ///< name of the network interface
+  int ttl = 0;                ///< multicast TTL
+  std::optional<Key> key;     ///< signs and checks every message; absent: neither
+};
+
+/// Counts since the bus was opened; per channel by the channel's number.
+struct BusCounters {
+  std::int64_t malformed = 0;       ///< not a short LCM message, or wrong size or type for its channel
+  std::int64_t foreign = 0;         ///< other channels, fragments, LCM self-test
+  std::int64_t other_rig = 0;       ///< header.rig_id of somebody else
+  std::int64_t unauthentic = 0;     ///< signature missing or wrong
+  std::int64_t kernel_dropped = 0;  ///< the socket's buffer was full
+  std::int64_t send_failed = 0;     ///< the kernel took no datagram
+  std::array<std::int64_t, kChannelSlots> sent{}, received{}, gaps{}, repeats{}, reordered{};
+};
+
+/// One accepted datagram; its payload is valid until the next receive().
+struct Reception {
+  Channel channel;
+  bool repeat;  ///< same epoch and sequence as the newest one on this channel
+  std::span<const std::uint8_t> payload;  ///< fingerprint first, of the channel's exact size
+};
+
+/// Where a message belongs; the rest of its header is the bus's to fill.
+struct Stamp {
+  std::int64_t epoch = 0;
+  std::int64_t sequence = 0;
+  std::int64_t tick = 0;
+  std::int64_t sim_time_ns = 0;
+};
+
+/// One socket to hear, one to speak. Not thread-safe. Neither blocks nor allocates once open.
+class Bus {
+ public:
+  /// Opens and proves the sockets.
+  /// @throws Error naming what is missing (interface, permission, buffer) and the fix
+  explicit Bus(const BusConfig& config);
+  ~Bus();
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  /// Next datagram that is well formed, of this rig, authentic and not older than the newest of its
+  /// sender; what is not is dropped and counted. Empty when nothing more waits, or after 256
+  /// datagrams in one call, so that a flood cannot hold the caller.
+  std::optional<Reception> receive() noexcept;
+
+  /// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.
+  bool wait(std::int64_t timeout_ns) noexcept;
+
+  /// Fills header and signature of `message` and sends it on `channel`, whose type it must be.
+  template <class Message>
+  void send(Channel channel, Message& message, const Stamp& stamp) noexcept {
+    stamp_header(message.header, stamp);
+    std::uint8_t* payload = payload_of(channel);
+    message.encode(payload, 0, static_cast<int>(kWireSize<Message>));
+    sign_and_send(channel, kWireSize<Message>);
+  }
+
+  /// Decodes a reception of the right type; receive() has checked size and fingerprint.
+  template <class Message>
+  static void decode(const Reception& reception, Message& message) noexcept {
+    message.decode(reception.payload.data(), 0, static_cast<int>(reception.payload.size()));
+  }
+
+  const BusCounters& counters() const noexcept { return counters_; }
+  int descriptor() const noexcept { return receiver_; }
+
+ private:
+  
+  void stamp_header(header_t& header, const Stamp& stamp) const noexcept;
+  std::uint8_t* payload_of(Channel channel) noexcept;
+  void sign_and_send(Channel channel, std::size_t size) noexcept;
+
+  int receiver_ = -1;
+  int sender_ = -1;
+  BusCounters counters_;
+};
+
+}  // namespace gyrotwin

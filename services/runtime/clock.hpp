@@ -1,0 +1,39 @@
+// Wall time, as daemons see it: passed in, so that tests bring their own.
+#pragma once
+
+#include <cstdint>
+
+namespace gyrotwin {
+
+/// Monotonic time in nanoseconds.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual std::int64_t now_ns() const noexcept = 0;
+  /// Returns at or after `deadline_ns`, or early when interrupted by a signal.
+  virtual void sleep_until(std::int64_t deadline_ns) noexcept = 0;
+};
+
+/// CLOCK_MONOTONIC.
+class MonotonicClock final : public Clock {
+ public:
+  std::int64_t now_ns() const noexcept override;
+  void sleep_until(std::int64_t deadline_ns) noexcept override;
+};
+
+/// Time that passes when told to; sleeping moves it to the deadline plus `lateness`.
+class FakeClock final : public Clock {
+ public:
+  std::int64_t now_ns() const noexcept override { return now_; }
+  void sleep_until(std::int64_t deadline_ns) noexcept override {
+    if (deadline_ns > now_) now_ = deadline_ns;
+    now_ += lateness;
+  }
+  void advance(std::int64_t ns) { now_ += ns; }
+  std::int64_t lateness = 0;  ///< [ns]
+
+ private:
+  std::int64_t now_ = 0;
+};
+
+}  // namespace gyrotwin

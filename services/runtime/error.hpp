@@ -1,0 +1,16 @@
+// The one error that setting up can throw.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace gyrotwin {
+
+/// Setting up failed. what() says what was found, what was expected, and the fix; programs print it
+/// and exit with 2. Never thrown after a daemon has started to tick.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace gyrotwin

@@ -1,0 +1,47 @@
+// When ticks begin in wall time: absolute deadlines, overruns counted, never a race to catch up.
+#pragma once
+
+#include <cstdint>
+
+#include "services/runtime/histogram.hpp"
+#include "services/runtime/rig.hpp"
+
+namespace gyrotwin {
+
+/// Deadlines of a periodic loop. Pure arithmetic on times that are handed in.
+class Pacer {
+ public:
+  /// @param period_ns tick period of the owner's time [ns]
+  Pacer(std::int64_t period_ns, OverrunPolicy policy);
+
+  /// The next deadline is one wall period after `now_ns`. To be called at start, resume and reset.
+  void anchor(std::int64_t now_ns) noexcept;
+  /// Simulated over wall time, > 0; re-anchors.
+  void set_speed(double factor, std::int64_t now_ns) noexcept;
+  double speed() const noexcept { return speed_; }
+
+  /// Wall time at which the next tick shall begin [ns].
+  std::int64_t deadline() const noexcept { return deadline_; }
+  /// The tick has begun at `now_ns`: records how late, moves the deadline on by one wall period. More
+  /// than one period late is an overrun; with OverrunPolicy::kSkip the periods gone by are given up
+  /// and counted. @return false on an overrun under OverrunPolicy::kStop.
+  bool begin(std::int64_t now_ns) noexcept;
+  /// The tick's work has taken this long [ns].
+  void worked(std::int64_t ns) noexcept { compute_.add(ns); }
+
+  std::int64_t overruns() const noexcept { return overruns_; }
+  std::int64_t skipped_ticks() const noexcept { return skipped_; }
+  WindowedHistogram& lateness() noexcept { return lateness_; }
+  WindowedHistogram& compute() noexcept { return compute_; }
+
+ private:
+  std::int64_t period_;
+  OverrunPolicy policy_;
+  double speed_ = 1.0;
+  std::int64_t deadline_ = 0;
+  std::int64_t overruns_ = 0;
+  std::int64_t skipped_ = 0;
+  WindowedHistogram lateness_, compute_;
+};
+
+}  // namespace gyrotwin
