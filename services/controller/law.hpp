@@ -28,9 +28,9 @@ class Law {
   virtual int states() const noexcept { return 0; }
   /// Memory to start with when the platform is armed in this state.
   virtual LawState start(const model::Observation&) const noexcept { return LawState::Zero(); }
-  /// Torque that it wants, before any limit.
+  /// Torque that it wants, before any limit [N m].
   virtual DriveTorques torque(const model::Observation& seen, const LawState& z) const noexcept = 0;
-  /// z' [1/s], given what was wanted and what the drives can give (anti-windup).
+  /// z' [unit of z per s], given what was wanted and what the drives can give (anti-windup) [N m].
   virtual LawState rates(const model::Observation&, const LawState&, const DriveTorques& /*wanted*/,
                          const DriveTorques& /*given*/) const noexcept {
     return LawState::Zero();
@@ -39,17 +39,25 @@ class Law {
   virtual std::string describe() const = 0;
 };
 
+/// What the machine's drives can give of `wanted` [N m] in the state that is seen: within the motor
+/// lines and the rig's torque limits.
+DriveTorques within_limits(const model::Machine& machine, const model::Observation& seen,
+                           const DriveTorques& wanted) noexcept;
+
 /// The law that the rig's [controller] names, null for LawKind::kNone.
 /// @throws Error when the law does not fit the machine or a number it needs is missing
 std::unique_ptr<Law> make_law(const Rig& rig);
 
-/// Sampled feedback: the law's memory, its limits, one step a tick.
+/// Sampled feedback: the law's memory, the drives' limits, one step a tick.
 class SampledLaw {
  public:
+  /// @param machine the rig's; must outlive this object
+  /// @throws Error as make_law()
   SampledLaw(const Rig& rig, const model::Machine& machine);
   /// Forgets: to be called before the first tick after arming.
   void reset(const model::Observation& seen) noexcept;
-  /// Torques for one tick of the rig's length, within what the drives can give.
+  /// Torques [N m] for one tick of the rig's length, within what the drives can give. Zero, and the
+  /// memory kept, when something seen is not finite; zero for LawKind::kNone.
   DriveTorques step(const model::Observation& seen) noexcept;
   const Law* law() const { return law_.get(); }
 

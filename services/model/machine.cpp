@@ -172,13 +172,15 @@ std::array<double, 2> Drive::range(double rate) const noexcept {
 
 double Drive::torque(DriveMode mode, double command, double rate) const noexcept {
   if (mode == DriveMode::kIdealTorque) return command;
+  double wanted = command;
+  if (mode == DriveMode::kBrake) wanted = motor ? motor->torque(0.0, rate) : -command * rate;
   if (mode == DriveMode::kVoltage) {
     if (!motor) return 0.0;
-    command =
-        motor->torque(std::clamp(command, -motor->supply_voltage, motor->supply_voltage), rate);
+    const double Vb = motor->supply_voltage;
+    wanted = motor->torque(std::clamp(command, -Vb, Vb), rate);
   }
   const auto [low, high] = range(rate);
-  return std::clamp(command, low, high);
+  return std::clamp(wanted, low, high);
 }
 
 State Machine::state(const std::vector<double>& q, const std::vector<double>& v) const {

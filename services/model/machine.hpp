@@ -30,6 +30,7 @@ enum class DriveMode : std::uint8_t {
   kTorque,       ///< torque [N m], within the motor line and the torque limit
   kVoltage,      ///< motor voltage [V], within the supply
   kIdealTorque,  ///< torque [N m] from a drive without limits
+  kBrake,        ///< motor shorted; without a motor a damping [N m s/rad], within the torque limit
 };
 
 /// What acts on the machine from outside.

@@ -1,40 +1,41 @@
-// The only code that knows the wire: LCM's short messages over UDP multicast, signed, on a socket of
-// our own. Rules and reasons: messages/README.md.
+// The only code that knows the wire: LCM's short messages over UDP multicast, signed, on a socket
+// of our own. Rules and reasons: messages/README.md.
 #pragma once
 
-#include <netinet/in.h>
-
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "messages/channels.hpp"
+#include "services/runtime/datagram.hpp"
+#include "services/runtime/key.hpp"
+#include "services/runtime/multicast.hpp"
 
 namespace gyrotwin {
 
-using Key = std::array<std::uint8_t, 32>;
-
 /// What a bus needs to open.
 struct BusConfig {
-  std::string prefix;         ///< `<RIG>` of every channel name
-  std::int32_t rig_id = 0;    ///< header.rig_id
-  std::int32_t source = 0;    ///< header.source of what is sent
-  std::string group;          ///< IPv4 multicast group
-  int port = 0;               ///< UDP port
-  std::string interface;      ///< name of the network interface
-  int ttl = 0;                ///< multicast TTL
-  std::optional<Key> key;     ///< signs and checks every message; absent: neither
+  std::string prefix;       ///< `<RIG>` of every channel name
+  std::int32_t rig_id = 0;  ///< header.rig_id
+  std::int32_t source = 0;  ///< header.source of what is sent
+  std::string group;        ///< IPv4 multicast group
+  int port = 0;             ///< UDP port
+  std::string interface;    ///< name of the network interface
+  int ttl = 0;              ///< multicast TTL
+  std::optional<Key> key;   ///< signs and checks every message; absent: neither
 };
 
 /// Counts since the bus was opened; per channel by the channel's number.
 struct BusCounters {
-  std::int64_t malformed = 0;       ///< not a short LCM message, or wrong size or type for its channel
-  std::int64_t foreign = 0;         ///< other channels, fragments, LCM self-test
-  std::int64_t other_rig = 0;       ///< header.rig_id of somebody else
-  std::int64_t unauthentic = 0;     ///< signature missing or wrong
+  std::int64_t malformed = 0;    ///< not a short LCM message, or wrong size or type for its channel
+  std::int64_t foreign = 0;      ///< other channels, fragments, LCM self-test
+  std::int64_t other_rig = 0;    ///< header.rig_id of somebody else
+  std::int64_t unauthentic = 0;  ///< signature missing or wrong
   std::int64_t kernel_dropped = 0;  ///< the socket's buffer was full
   std::int64_t send_failed = 0;     ///< the kernel took no datagram
   std::array<std::int64_t, kChannelSlots> sent{}, received{}, gaps{}, repeats{}, reordered{};
@@ -61,13 +62,12 @@ class Bus {
   /// Opens and proves the sockets.
   /// @throws Error naming what is missing (interface, permission, buffer) and the fix
   explicit Bus(const BusConfig& config);
-  ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
   /// Next datagram that is well formed, of this rig, authentic and not older than the newest of its
-  /// sender; what is not is dropped and counted. Empty when nothing more waits, or after 256
-  /// datagrams in one call, so that a flood cannot hold the caller.
+  /// sender; what is not is dropped and counted. Empty when nothing more waits, or when 256
+  /// datagrams were read since the last empty result, so that a flood cannot hold the caller.
   std::optional<Reception> receive() noexcept;
 
   /// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.
@@ -76,10 +76,12 @@ class Bus {
   /// Fills header and signature of `message` and sends it on `channel`, whose type it must be.
   template <class Message>
   void send(Channel channel, Message& message, const Stamp& stamp) noexcept {
+    assert(spec(channel).size == kWireSize<Message>);
     stamp_header(message.header, stamp);
-    std::uint8_t* payload = payload_of(channel);
+    std::uint8_t* payload = begin_payload(channel);
     message.encode(payload, 0, static_cast<int>(kWireSize<Message>));
-    sign_and_send(channel, kWireSize<Message>);
+    sign_and_send(channel);
+    std::memcpy(message.mac, payload + kWireSize<Message> - kMacSize, kMacSize);
   }
 
   /// Decodes a reception of the right type; receive() has checked size and fingerprint.
@@ -89,16 +91,40 @@ class Bus {
   }
 
   const BusCounters& counters() const noexcept { return counters_; }
-  int descriptor() const noexcept { return receiver_; }
+  int descriptor() const noexcept { return sockets_.receiver.get(); }
 
  private:
-  
-  void stamp_header(header_t& header, const Stamp& stamp) const noexcept;
-  std::uint8_t* payload_of(Channel channel) noexcept;
-  void sign_and_send(Channel channel, std::size_t size) noexcept;
+  /// Newest sequence of every sender that one channel has heard, the last heard first.
+  struct Sender {
+    std::int64_t epoch = -1;  // none: epochs are not negative
+    std::int64_t newest = -1;
+  };
+  using Senders = std::array<Sender, 16>;
 
-  int receiver_ = -1;
-  int sender_ = -1;
+  void stamp_header(header_t& header, const Stamp& stamp) const noexcept;
+  std::uint8_t* begin_payload(Channel channel) noexcept;
+  void sign_and_send(Channel channel) noexcept;
+
+  std::optional<std::span<const std::uint8_t>> read(sockaddr_in& from) noexcept;
+  bool own(const sockaddr_in& from) const noexcept;
+  std::optional<Reception> judge(std::span<const std::uint8_t> datagram) noexcept;
+  std::optional<Reception> put_in_order(const Parsed& parsed) noexcept;
+
+  DatagramFormat format_;
+  MulticastSockets sockets_;
+  std::int32_t rig_id_;
+  std::int32_t source_;
+
+  Frame outgoing_{};
+  std::size_t payload_at_ = 0;
+  std::uint32_t packets_ = 0;  // LCM's packet number, which nobody here reads
+
+  // One byte more than any message has, so that a longer datagram cannot pass for one.
+  std::array<std::uint8_t, kMaxDatagram + 1> incoming_{};
+  int burst_ = 0;                   // datagrams read since the last empty result
+  std::uint32_t kernel_drops_ = 0;  // the kernel's own count, which wraps
+  std::array<Senders, kChannels.size()> senders_{};
+
   BusCounters counters_;
 };
 

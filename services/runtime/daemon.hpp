@@ -1,31 +1,48 @@
 // What surrounds a daemon's tick thread: rights, signals, log.
 #pragma once
 
+#include <spdlog/fmt/fmt.h>
+#include <sys/types.h>
+
+#include <array>
 #include <atomic>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <stop_token>
 #include <string>
-#include <string_view>
+#include <thread>
+
+#include "services/runtime/spsc_ring.hpp"
+
+namespace spdlog {
+class logger;
+}
 
 namespace gyrotwin {
 
-/// A line for the log, made on the tick thread without allocating.
+/// How grave a line of the log is.
 enum class LogLevel : std::uint8_t { kInfo, kWarning, kError };
 
 /// Owns everything beside the tick thread of one daemon. To be made first in main(), on the thread
-/// that will tick: blocks SIGINT and SIGTERM for all threads, starts the housekeeping thread (normal
-/// priority) that waits for these signals and writes the log.
+/// that will tick: blocks SIGINT and SIGTERM for all threads, starts the housekeeping thread
+/// (normal priority) that waits for these signals and writes the log.
 class Daemon {
  public:
+  static constexpr std::size_t kLogText = 240;   ///< characters of a line that are kept
+  static constexpr std::size_t kLogLines = 256;  ///< lines that may wait to be written
+
   /// @param name program name, stands in every log line
   explicit Daemon(std::string name);
   /// Writes what is left in the log ring and stops the housekeeping thread.
-  ~Daemon();
+  ~Daemon() = default;
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  /// SCHED_FIFO at `priority` for the calling thread and mlockall with a touched stack, as far as
-  /// permitted; otherwise a warning that says what to grant. Sets RLIMIT_RTTIME as a watchdog.
+  /// SCHED_FIFO at `priority` (1 to 99) for the calling thread and mlockall with a touched stack,
+  /// as far as permitted; otherwise a warning that says what to grant. Best after everything is
+  /// allocated. RLIMIT_RTTIME is the watchdog: a thread that works for 0.2 s without a sleep loses
+  /// the priority, and the log says so.
   void become_realtime(int priority);
 
   /// A termination signal has come. Cheap; for every tick.
@@ -33,13 +50,33 @@ class Daemon {
   /// As if a signal had come.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
-  /// Queues a line (cut at 240 characters); never blocks or allocates. A full ring drops the line and
-  /// the loss is logged. Formatted with fmt into a buffer on the stack.
+  /// Queues a line (cut at 240 characters); never blocks or allocates. For the thread that made the
+  /// daemon alone. A full ring drops the line and the loss is logged. Formatted with fmt into a
+  /// buffer on the stack; where that throws, the line is the bare format.
   template <class... Args>
-  void log(LogLevel level, std::string_view format, const Args&... args) noexcept;
+  void log(LogLevel level, fmt::format_string<const Args&...> format,
+           const Args&... args) noexcept {
+    queue(level, format, fmt::make_format_args(args...));
+  }
 
  private:
+  struct Line {
+    std::chrono::system_clock::time_point time;
+    LogLevel level;
+    std::uint8_t length;
+    std::array<char, kLogText> text;
+  };
+
+  void queue(LogLevel level, fmt::string_view format, fmt::format_args args) noexcept;
+  void housekeep(const std::stop_token& closing, const std::string& name);
+  void await_signal(spdlog::logger& logger);
+  void drain(spdlog::logger& logger, std::chrono::milliseconds patience);
+
   std::atomic<bool> stop_{false};
+  SpscRing<Line, kLogLines> lines_;
+  std::atomic<std::int64_t> lost_lines_{0};
+  std::atomic<pid_t> realtime_thread_{0};
+  std::jthread housekeeper_;  // last: it uses all the others, and ends first
 };
 
 }  // namespace gyrotwin

@@ -16,15 +16,15 @@ class Pacer {
 
   /// The next deadline is one wall period after `now_ns`. To be called at start, resume and reset.
   void anchor(std::int64_t now_ns) noexcept;
-  /// Simulated over wall time, > 0; re-anchors.
+  /// Simulated over wall time, finite and > 0; re-anchors.
   void set_speed(double factor, std::int64_t now_ns) noexcept;
   double speed() const noexcept { return speed_; }
 
   /// Wall time at which the next tick shall begin [ns].
   std::int64_t deadline() const noexcept { return deadline_; }
-  /// The tick has begun at `now_ns`: records how late, moves the deadline on by one wall period. More
-  /// than one period late is an overrun; with OverrunPolicy::kSkip the periods gone by are given up
-  /// and counted. @return false on an overrun under OverrunPolicy::kStop.
+  /// The tick has begun at `now_ns`: records how late, moves the deadline on by one wall period.
+  /// More than one period late is an overrun: the periods gone by are given up and counted, so that
+  /// the next deadline lies ahead. @return false on an overrun under OverrunPolicy::kStop.
   bool begin(std::int64_t now_ns) noexcept;
   /// The tick's work has taken this long [ns].
   void worked(std::int64_t ns) noexcept { compute_.add(ns); }
@@ -35,7 +35,8 @@ class Pacer {
   WindowedHistogram& compute() noexcept { return compute_; }
 
  private:
-  std::int64_t period_;
+  std::int64_t period_;       ///< of the owner's time [ns]
+  std::int64_t wall_period_;  ///< period_ / speed_ [ns]
   OverrunPolicy policy_;
   double speed_ = 1.0;
   std::int64_t deadline_ = 0;

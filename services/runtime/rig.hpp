@@ -46,7 +46,8 @@ struct Rig {
     double rate_hz = 1000.0;       ///< ticks per second of the owner's time
     int substeps = 4;              ///< of the stepper per tick
     double step_tolerance = 1e-4;  ///< largest error of q over the check at start [rad]
-    int command_delay_ticks = 0;   ///< a command acts this many ticks later
+    static constexpr int kMaxCommandDelay = 8;
+    int command_delay_ticks = 0;  ///< a command acts this many ticks later
     OverrunPolicy overrun = OverrunPolicy::kSkip;
     std::int64_t tick_ns() const { return static_cast<std::int64_t>(1e9 / rate_hz + 0.5); }
     double tick_s() const { return 1e-9 * static_cast<double>(tick_ns()); }
@@ -56,7 +57,8 @@ struct Rig {
     int command_timeout_ticks = 10;  ///< without a valid command, then SAFE_STOP; 1 to 10
     double fall_tilt_rad = 0.7;      ///< beyond it: FALLEN
     SafeStopDrive drive = SafeStopDrive::kZeroTorque;
-    double hold_gain = 0.0;  ///< kHoldSpeed: torque per disc speed error [N m s/rad]
+    /// kHoldSpeed: torque per speed error; kBrake without a motor: damping [N m s/rad]
+    double gain = 0.0;
   } safety;
 
   std::variant<model::UmbrellaParameters, model::GimballedParameters> machine;

@@ -1,0 +1,83 @@
+#include "clients/ctl/observe.hpp"
+
+#include "clients/common/tilt.hpp"
+#include "services/runtime/rig_bus.hpp"
+#include "services/runtime/text.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr std::int64_t kSightingNs = 1'000'000'000;  // ten STATUS messages
+
+/// "FALLEN: tilt beyond ..."
+std::string mode_text(const status_t& status) {
+  const std::string why = get_text(status.text);
+  return fmt::format("{}{}{}", mode_name(status.mode), why.empty() ? "" : ": ", why);
+}
+
+bool needs_reset(std::int32_t mode) {
+  return mode == status_t::MODE_SAFE_STOP || mode == status_t::MODE_FALLEN ||
+         mode == status_t::MODE_FAULT;
+}
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+}  // namespace
+
+Sighting sight(const Rig& rig, Asker& asker) {
+  Sighting seen{.rig = rig.name, .reach = reach(rig), .owner = {}, .controller = {}, .command = {}};
+  asker.listen(kSightingNs, [&seen](const Reception& reception) {
+    if (reception.channel == Channel::kIntegratorStatus) {
+      Bus::decode(reception, seen.owner.emplace());
+    } else if (reception.channel == Channel::kControllerStatus) {
+      Bus::decode(reception, seen.controller.emplace());
+    } else if (reception.channel == Channel::kCommand) {
+      Bus::decode(reception, seen.command.emplace());
+    }
+    const bool lease_known = seen.owner && (seen.owner->command_writer == 0 || seen.command);
+    return lease_known && seen.controller.has_value();
+  });
+  seen.reach += asker.suspicion();
+  return seen;
+}
+
+void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns) {
+  status_t status = asker.owner();
+  const auto there = [&] { return status.mode == static_cast<std::int32_t>(mode); };
+  const bool came = there() || asker.listen(limit_ns, [&](const Reception& reception) {
+    if (reception.channel != Channel::kIntegratorStatus) return false;
+    Bus::decode(reception, status);
+    return there();
+  });
+  if (!came) {
+    throw NotDone(fmt::format("not {} within {:g} s: the owner is {}", name_of(mode),
+                              seconds(limit_ns), mode_text(status)));
+  }
+}
+
+void wait_for_balance(Asker& asker, BalanceWatch watch, std::int64_t limit_ns) {
+  status_t status = asker.owner();
+  bool balanced = false;
+  asker.listen(limit_ns, [&](const Reception& reception) {
+    if (reception.channel == Channel::kState) {
+      state_t state;
+      Bus::decode(reception, state);
+      balanced = watch.on(state);
+    } else if (reception.channel == Channel::kIntegratorStatus) {
+      Bus::decode(reception, status);
+    }
+    return balanced || needs_reset(status.mode);
+  });
+  if (balanced) return;
+  if (needs_reset(status.mode)) {
+    throw NotDone(fmt::format("does not balance: the owner is {}; `gyrotwin ctl reset`, then arm",
+                              mode_text(status)));
+  }
+  throw NotDone(fmt::format(
+      "not balanced within {:g} s: the owner is {}{}", seconds(limit_ns), mode_text(status),
+      watch.tilt() < 0.0 ? ", no STATE with a tilt was heard"
+                         : fmt::format(", the tilt {:.3g} deg", degrees(watch.tilt()))));
+}
+
+}  // namespace gyrotwin

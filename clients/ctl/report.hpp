@@ -1,0 +1,34 @@
+// What `gyrotwin ctl status` says, as text and as JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "messages/channels.hpp"
+
+namespace gyrotwin {
+
+/// What was heard of a rig.
+struct Sighting {
+  std::string rig;    ///< its name
+  std::string reach;  ///< where was listened: "this host only (lo, ...)"
+  std::optional<status_t> owner;
+  std::optional<status_t> controller;
+  std::optional<command_t> command;  ///< the last one
+};
+
+/// Who holds the owner's command lease: "nobody", "the controller", "writer ...".
+/// @pre sighting.owner
+std::string lease_holder(const Sighting& sighting);
+
+/// "realtime", "lockstep", "free".
+std::string_view pace_name(std::int32_t clock);
+
+/// For people; names the peer that is not heard and how to start it.
+std::string report(const Sighting& sighting);
+
+/// For programs: one object; a peer that is not heard is null. Identities are texts, since 63 bits
+/// are more than a JSON number holds.
+std::string report_json(const Sighting& sighting);
+
+}  // namespace gyrotwin

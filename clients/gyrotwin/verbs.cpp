@@ -1,0 +1,53 @@
+#include "clients/gyrotwin/verbs.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <vector>
+
+#include "services/runtime/spelling.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+template <std::size_t N>
+std::string list(const std::array<Program, N>& programs) {
+  std::string text;
+  for (const Program& p : programs) text += fmt::format("  {:<12}{}\n", p.name, p.summary);
+  return text;
+}
+
+}  // namespace
+
+std::string front_page() {
+  return "gyrotwin: a gyroscopic platform, its physics and its controller, over the network.\n"
+         "\n"
+         "usage: gyrotwin VERB [OPTIONS]      `gyrotwin VERB --help` tells more\n"
+         "\n"
+         "Daemons, each in a shell of its own; Ctrl-C stops them:\n" +
+         list(kDaemons) +
+         "\n"
+         "Clients:\n" +
+         list(kClients) +
+         "\n"
+         "All take --rig NAME|FILE; without it $GYROTWIN_RIG, or else prototype_b.\n"
+         "\n"
+         "Example:\n"
+         "  gyrotwin key new\n"
+         "  gyrotwin integrator &\n"
+         "  gyrotwin controller &\n"
+         "  gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
+         "  gyrotwin disturb impulse\n";
+}
+
+std::string unknown_verb(std::string_view verb) {
+  std::vector<std::string_view> names;
+  for (const Program& p : kDaemons) names.push_back(p.name);
+  for (const Program& p : kClients) names.push_back(p.name);
+  return fmt::format(
+      "there is no verb `{}`, and no program gyrotwin-{}{}; `gyrotwin --help` lists "
+      "the verbs",
+      verb, verb, did_you_mean(nearest(verb, names)));
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,34 @@
+// The programs behind `gyrotwin VERB`.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace gyrotwin {
+
+/// A program `gyrotwin-NAME`.
+struct Program {
+  std::string_view name;
+  std::string_view summary;
+};
+
+inline constexpr std::array<Program, 2> kDaemons{{
+    {"integrator", "owns a simulated platform: physics, modes, limits"},
+    {"controller", "keeps it up: hears STATE, answers with COMMAND"},
+}};
+
+inline constexpr std::array<Program, 4> kClients{{
+    {"ctl", "arm, disarm, pause, step, reset ...; status; wait until it balances"},
+    {"disturb", "push the platform and see it recover"},
+    {"simulate", "the same rig offline, faster than real time, into a CSV"},
+    {"key", "make or show the key that signs the rig's messages"},
+}};
+
+/// What `gyrotwin --help` says.
+std::string front_page();
+
+/// Why there is no such verb, and what was probably meant.
+std::string unknown_verb(std::string_view verb);
+
+}  // namespace gyrotwin

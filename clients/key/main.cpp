@@ -1,0 +1,77 @@
+// gyrotwin-key: the secret that a rig's messages are signed with.
+#include <sodium.h>
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
+#include "services/runtime/key.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+/// 64 bits that tell keys apart and do not lead back to them: "3f2a-91c0-77de-0b15".
+std::string fingerprint(const Key& key) {
+  if (sodium_init() < 0) throw Error("libsodium does not start: no source of randomness");
+  std::array<std::uint8_t, crypto_generichash_BYTES> hash;
+  crypto_generichash(hash.data(), hash.size(), key.data(), key.size(), nullptr, 0);
+  std::string text;
+  for (std::size_t i = 0; i < 8; i += 2) {
+    text += fmt::format("{}{:02x}{:02x}", text.empty() ? "" : "-", hash[i], hash[i + 1]);
+  }
+  return text;
+}
+
+int make_new(const Rig& rig) {
+  const std::filesystem::path path = key_path(rig.name);
+  create_key(path);
+  std::printf("new key %s in %s\n", fingerprint(load_key(path)).c_str(), path.c_str());
+  if (rig.network.sign) {
+    std::printf("To reach the rig from another host or user, give them this file, mode 0600.\n");
+  } else {
+    std::printf("Rig %s does not use it: network.sign = false in %s\n", rig.name.c_str(),
+                rig.file.c_str());
+  }
+  return kDone;
+}
+
+int show(const Rig& rig) {
+  const std::filesystem::path path = key_path(rig.name);
+  std::printf("key %s in %s\n", fingerprint(load_key(path)).c_str(), path.c_str());
+  return kDone;
+}
+
+int print_path(const Rig& rig) {
+  std::printf("%s\n", key_path(rig.name).c_str());
+  return kDone;
+}
+
+}  // namespace
+
+}  // namespace gyrotwin
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "The key of a rig: with it every message is signed and checked, so that only who has it can "
+      "steer or mislead the platform. Content is not hidden.",
+      "gyrotwin-key");
+  app.footer(
+      "Keys are in $GYROTWIN_KEYS, or else $XDG_CONFIG_HOME/gyrotwin, or ~/.config/gyrotwin.\n"
+      "Example:\n"
+      "  gyrotwin key new --rig prototype_b");
+  app.require_subcommand(1);
+  const gyrotwin::RigOptions rig_options(app);
+  CLI::App* make = app.add_subcommand("new", "Make the rig's key; one that is there is kept");
+  CLI::App* show = app.add_subcommand("show", "Print a fingerprint of the key, to compare hosts");
+  app.add_subcommand("path", "Print where the key is");
+  return gyrotwin::run_program(argc, argv, app, [&] {
+    const gyrotwin::Rig rig = rig_options.load();
+    if (make->parsed()) return gyrotwin::make_new(rig);
+    if (show->parsed()) return gyrotwin::show(rig);
+    return gyrotwin::print_path(rig);
+  });
+}

@@ -1,0 +1,278 @@
+// gyrotwin-simulate: a rig offline, faster than real time.
+#include <csignal>
+#include <numbers>
+
+#include "clients/common/initial.hpp"
+#include "clients/simulate/expression.hpp"
+#include "clients/simulate/inputs.hpp"
+#include "clients/simulate/mount.hpp"
+#include "clients/simulate/output.hpp"
+#include "clients/simulate/simulation.hpp"
+#include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kShortest = 1e-6;  // [s]
+constexpr double kLongest = 1e6;    // [s]
+
+/// What the command line says; empty: not given.
+struct Options {
+  std::vector<std::string> initial, torque, external;
+  std::string motor = "on", law, feedback, stepper, mount, track, output = "-";
+  double duration = 10.0;
+  std::optional<double> sample;
+  bool extra = false;
+};
+
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const LawKind law : {LawKind::kNone, LawKind::kConstantSpeed, LawKind::kMomentumManager,
+                            LawKind::kReducedLqr, LawKind::kPrecessionLqr}) {
+    names.emplace_back(name_of(law));
+  }
+  return names;
+}
+
+/// A repeatable option, one argument each.
+CLI::Option* add_list(CLI::App& app, const char* name, std::vector<std::string>& values,
+                      const char* help) {
+  return app.add_option(name, values, help)->allow_extra_args(false)->group("Inputs");
+}
+
+void add_inputs(CLI::App& app, Options& options) {
+  add_list(app, "--initial", options.initial,
+           "Initial state instead of the rig file's, rad and rad/s: q=0.05,0,0,0,v=0,0,-5,0 or "
+           "thx=0.05,phi_dot=-5; what is not said stays")
+      ->type_name("STATE");
+  app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
+      ->check(CLI::IsMember(law_names()))
+      ->type_name("NAME")
+      ->group("Inputs");
+  add_list(app, "--torque", options.torque,
+           "Drive torques [N m] instead of a law: a formula in t and the CSV columns, one for each "
+           "drive or COORDINATE=FORMULA, or a CSV file (t_s, then one column a drive)")
+      ->type_name("FORMULA|FILE");
+  add_list(app, "--external", options.external,
+           "What acts on the structure, world frame: a CSV file with t_s and any of fx_n fy_n fz_n "
+           "(at the push point) mx_nm my_nm mz_nm, or formulas such as mx=2*sin(t)")
+      ->type_name("FILE|NAME=FORMULA");
+}
+
+void add_plant(CLI::App& app, Options& options) {
+  const auto word = [&app](const char* name, std::string& value, const char* help,
+                           const std::vector<std::string>& words, const char* group) {
+    return app.add_option(name, value, help)->check(CLI::IsMember(words))->group(group);
+  };
+  word("--motor", options.motor,
+       "off: drives that give any torque at any speed, without motor line and torque limit",
+       {"on", "off"}, "Plant")
+      ->capture_default_str();
+  word("--mount", options.mount, "How the disc sits on the structure (umbrella platforms)",
+       mount_names(), "Plant");
+  word("--track", options.track, "What the outer axles ride on (umbrella platforms)",
+       {"none", "lower", "slot"}, "Plant");
+  word("--feedback", options.feedback,
+       "sampled: torques once a tick, held over it, the same bits as a live system in lockstep; "
+       "continuous: at every instant. Default: sampled with a law, continuous without",
+       {"sampled", "continuous"}, "Time");
+  word("--stepper", options.stepper,
+       "fixed: loop.substeps a tick; adaptive: as fine as a relative error of 1e-12 asks. Default: "
+       "fixed with sampled feedback, adaptive with continuous",
+       {"fixed", "adaptive"}, "Time");
+}
+
+void add_output(CLI::App& app, Options& options) {
+  app.add_option("--duration", options.duration, "How long [s]")
+      ->check(finite_within(kShortest, kLongest))
+      ->capture_default_str()
+      ->type_name("S")
+      ->group("Time");
+  app.add_option("--sample", options.sample,
+                 "Time between rows [s], whole ticks where time goes in ticks; default 0.01")
+      ->check(finite_within(kShortest, kLongest))
+      ->type_name("S")
+      ->group("Time");
+  app.add_option("--output", options.output, "Where the CSV goes; -: standard output")
+      ->capture_default_str()
+      ->type_name("FILE")
+      ->group("Output");
+  app.add_flag("--extra", options.extra,
+               "More columns: drive torques, tilt, contact forces, holding moment, energies")
+      ->group("Output");
+}
+
+Rig load_rig(RigOptions& rig_options, const Options& options) {
+  choose_mount(rig_options, options.mount, options.track);
+  if (!options.law.empty()) rig_options.override_key("controller.law=" + options.law);
+  return rig_options.load();
+}
+
+model::State start_of(const Rig& rig, const model::Machine& machine, const Options& options) {
+  Initial initial{rig.initial_q, rig.initial_v};
+  for (const std::string& text : options.initial) {
+    initial = parse_initial(text, machine.layout.names, std::move(initial));
+  }
+  return machine.state(initial.q, initial.v);
+}
+
+Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Options& options) {
+  Scenario scenario;
+  scenario.start = start_of(rig, machine, options);
+  scenario.duration = options.duration;
+  scenario.sample = options.sample;
+  if (!options.torque.empty()) {
+    if (!options.law.empty() && rig.controller.law != LawKind::kNone) {
+      throw Error("--torque replaces the law; leave out --law or --torque");
+    }
+    scenario.torque = torque_input(options.torque, machine);
+  }
+  scenario.external = external_input(options.external, machine);
+  const bool law = !scenario.torque && rig.controller.law != LawKind::kNone;
+  scenario.sampled = options.feedback.empty() ? law : options.feedback == "sampled";
+  scenario.stepping.adaptive =
+      options.stepper.empty() ? !scenario.sampled : options.stepper == "adaptive";
+  scenario.stepping.substeps = rig.loop.substeps;
+  return scenario;
+}
+
+/// SIGINT and SIGTERM, kept waiting so that no row is cut.
+class Interrupt {
+ public:
+  Interrupt() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    sigprocmask(SIG_BLOCK, &signals_, nullptr);
+  }
+  bool wanted() const {
+    sigset_t pending;
+    sigpending(&pending);
+    return sigismember(&pending, SIGINT) == 1 || sigismember(&pending, SIGTERM) == 1;
+  }
+
+ private:
+  sigset_t signals_;
+};
+
+/// Writes the samples and keeps the user company. Opens the file with the first sample, when all
+/// that can be wrong with the question has been seen.
+class Recorder : public Spectator {
+ public:
+  Recorder(const Options& options, const model::Machine& machine)
+      : options_(options), machine_(machine) {}
+
+  void sample(const Sample& sample) override {
+    if (!file_) {
+      file_.emplace(options_.output, machine_, options_.extra);
+      progress_.emplace(options_.duration, !file_->on_terminal());
+    }
+    file_->write(sample);
+  }
+  bool go_on(double t) override {
+    progress_->show(t);
+    return file_->sound() && !interrupt_.wanted();
+  }
+  bool sound() const { return file_->sound(); }
+
+ private:
+  const Options& options_;
+  const model::Machine& machine_;
+  Interrupt interrupt_;
+  std::optional<CsvFile> file_;
+  std::optional<Progress> progress_;
+};
+
+double degrees(double radians) { return radians * (180.0 / std::numbers::pi); }
+
+void tell_verdict(const Rig& rig, const Outcome& outcome) {
+  if (outcome.fell_at) {
+    std::fprintf(stderr, "falls: tilt beyond %.1f deg (safety.fall_tilt_rad) at %.3f s\n",
+                 degrees(rig.safety.fall_tilt_rad), *outcome.fell_at);
+  } else {
+    std::fprintf(stderr, "stands: tilt at most %.2f deg, %.2f deg at the end\n",
+                 degrees(outcome.largest_tilt), degrees(outcome.tilt));
+  }
+}
+
+int conclude(const Rig& rig, const Outcome& outcome, bool written) {
+  using End = Outcome::End;
+  const auto complain = [&](const std::string& what) {
+    std::fprintf(stderr,
+                 "gyrotwin-simulate: error: %s at t = %.6g s; rows until then are written\n",
+                 what.c_str(), outcome.t);
+    return kNotDone;
+  };
+  if (!written) return complain("the output takes no more (disk full?)");
+  switch (outcome.end) {
+    case End::kDuration:
+      tell_verdict(rig, outcome);
+      return kDone;
+    case End::kStopped:
+      return complain("stopped by a signal");
+    case End::kInputNotFinite:
+      return complain(
+          "a torque or external load was no finite number; check --torque and "
+          "--external,");
+    case End::kNotFinite:
+      break;
+  }
+  char tilt[32];
+  std::snprintf(tilt, sizeof tilt, "%.1f", degrees(outcome.tilt));
+  return complain("the motion is not finite or too fast to follow after a tilt of " +
+                  std::string(tilt) + " deg,");
+}
+
+int run(RigOptions& rig_options, const Options& options) {
+  const Rig rig = load_rig(rig_options, options);
+  const bool ideal = options.motor == "off";
+  const model::Machine machine =
+      ideal ? with_ideal_drives(rig.build_machine()) : rig.build_machine();
+  const Scenario scenario = scenario_of(rig, machine, options);
+  Outcome outcome;
+  bool written = true;
+  {
+    Recorder recorder(options, machine);
+    outcome = simulate(rig, machine, scenario, recorder);
+    written = recorder.sound();
+  }
+  return conclude(rig, outcome, written);
+}
+
+std::string footer() {
+  return "Formulas: + - * / ^ ( ) pi, t [s], the CSV columns (phi_dot, thx, ...), and\n  " +
+         Expression::functions() +
+         "\n  step(x): 0 below 0, else 1; square(x): +1 and -1, period 2 pi. A formula may jump, a "
+         "table\n  is followed exactly: zero before its first row, its last row stays.\n"
+         "The last line on stderr says whether it stands or falls. A live owner stops the drives\n"
+         "of a fallen platform; here everything goes on until the end.\n"
+         "Exit code 0: simulated; 1: not to the end; 2: asked wrongly.\n"
+         "Examples:\n"
+         "  gyrotwin simulate --output run.csv          # the rig as it would run live\n"
+         "  gyrotwin simulate --law none --initial thx=0.05 --duration 2\n"
+         "  gyrotwin simulate --rig prototype_b_sleeping --torque '2*(-5 - phi_dot)'\n"
+         "  gyrotwin simulate --rig double_brennan --torque 'qA=0.1*square(2*pi*t)'\n"
+         "  gyrotwin simulate --external 'mx=20*step(t-0.5)*step(0.6-t)'\n"
+         "  gyrotwin simulate --mount universal_joint --set loop.rate_hz=500 --extra";
+}
+
+}  // namespace
+
+}  // namespace gyrotwin
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Simulates a rig offline, faster than real time, and writes its motion as CSV: t_s, the "
+      "coordinates [rad], their rates [rad/s].",
+      "gyrotwin-simulate");
+  app.footer(gyrotwin::footer());
+  gyrotwin::RigOptions rig_options(app);
+  gyrotwin::Options options;
+  gyrotwin::add_inputs(app, options);
+  gyrotwin::add_plant(app, options);
+  gyrotwin::add_output(app, options);
+  return gyrotwin::run_program(argc, argv, app,
+                               [&] { return gyrotwin::run(rig_options, options); });
+}

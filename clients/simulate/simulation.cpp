@@ -1,0 +1,309 @@
+#include "clients/simulate/simulation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+
+#include "services/integrator/plant.hpp"
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kDefaultSample = 0.01;  // [s]
+constexpr double kLongestPiece =
+    0.01;  // of adaptive stepping, so that no short pulse is missed [s]
+// Times closer than this share of a second (or of themselves) are the same, but for rounding.
+constexpr double kSameTime = 1e-12;
+// Tick periods are whole nanoseconds, rates need not be.
+constexpr double kSameCount = 1e-6;
+
+std::string seconds(double t) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", t);
+  return text;
+}
+
+/// The equal steps between which spectators look on, and how many of them make a sample.
+struct Grid {
+  double step;  // [s]
+  std::int64_t steps_per_sample;
+  double sample;  // [s]
+  std::int64_t samples;
+
+  double time(std::int64_t i) const {
+    return static_cast<double>(i / steps_per_sample) * sample +
+           static_cast<double>(i % steps_per_sample) * step;
+  }
+};
+
+std::int64_t samples_in(double duration, double sample) {
+  const double count = duration / sample;
+  return static_cast<std::int64_t>(count + kSameCount);
+}
+
+Grid tick_grid(double tick, const Scenario& scenario) {
+  const double wanted = scenario.sample.value_or(kDefaultSample) / tick;
+  const double count = std::max(1.0, std::round(wanted));
+  if (scenario.sample && std::abs(wanted - count) > kSameCount * count) {
+    const double below = std::floor(wanted);
+    throw Error("--sample " + seconds(*scenario.sample) + ": time goes in ticks of " +
+                seconds(tick) + " s here; the nearest that fit are " +
+                (below > 0.0 ? seconds(below * tick) + " and " : "") +
+                seconds((below + 1.0) * tick) +
+                " (continuous feedback with the adaptive stepper takes any)");
+  }
+  const double sample = scenario.sample.value_or(count * tick);
+  return {tick, static_cast<std::int64_t>(count), sample, samples_in(scenario.duration, sample)};
+}
+
+Grid free_grid(const Scenario& scenario) {
+  const double sample = scenario.sample.value_or(kDefaultSample);
+  const double count = std::max(1.0, std::ceil(sample / kLongestPiece - kSameCount));
+  return {sample / count, static_cast<std::int64_t>(count), sample,
+          samples_in(scenario.duration, sample)};
+}
+
+Grid grid_of(const Rig& rig, const Scenario& scenario) {
+  const bool ticks = scenario.sampled || !scenario.stepping.adaptive;
+  const Grid grid = ticks ? tick_grid(rig.loop.tick_s(), scenario) : free_grid(scenario);
+  if (grid.samples > 0) return grid;
+  throw Error("--duration " + seconds(scenario.duration) + " is shorter than one sample of " +
+              seconds(grid.sample) + " s; lengthen it or give a smaller --sample");
+}
+
+bool finite(const model::Input& input) {
+  return std::all_of(input.drive.begin(), input.drive.end(),
+                     [](double x) { return std::isfinite(x); }) &&
+         input.force.allFinite() && input.moment.allFinite();
+}
+
+/// Machine, law and inputs as one differential equation in (q, v, law's memory), in the time since
+/// the last grid point.
+class LoopOde : public Ode {
+ public:
+  /// @param law null: the drives are held, or the scenario's
+  LoopOde(const model::Machine& machine, const Scenario& scenario, const Law* law)
+      : machine_(machine), scenario_(scenario), law_(law) {}
+
+  int size() const noexcept override {
+    return 2 * machine_.coordinates() + (law_ ? law_->states() : 0);
+  }
+
+  void rates(double t, const double* y, double* dy) noexcept override {
+    const int n = machine_.coordinates();
+    const model::State state = unpack(y, n, scenario_.start.rotor_speed);
+    act(t, state, y + 2 * n, dy + 2 * n);
+    // A law that sees no finite state cannot help it.
+    input_finite_ = input_finite_ && (finite(input_) || !state.finite());
+    const model::Coordinates acceleration = machine_.acceleration(state, input_);
+    std::copy_n(state.v.data(), n, dy);
+    std::copy_n(acceleration.data(), n, dy + n);
+  }
+
+  /// Where local time 0 is [s].
+  void start_at(double t) { origin_ = t; }
+  /// A time inside the coming piece [s].
+  void stay_within(double t) { within_ = t; }
+  void hold(const DriveTorques& torques) { input_.drive = torques; }
+
+  /// What acts at local time t. The last input stays readable.
+  void look(double t, const double* y) noexcept {
+    std::array<double, kMaxLawStates> ignored;
+    const int n = machine_.coordinates();
+    act(t, unpack(y, n, scenario_.start.rotor_speed), y + 2 * n, ignored.data());
+    input_finite_ = input_finite_ && finite(input_);
+  }
+  const model::Input& input() const { return input_; }
+  bool input_finite() const { return input_finite_; }
+
+ private:
+  void act(double t, const model::State& state, const double* z, double* dz) noexcept {
+    const Instant now{origin_ + t, within_, state};
+    if (scenario_.external.value) {
+      const Wrench wrench = scenario_.external.value(now);
+      input_.force = wrench.force;
+      input_.moment = wrench.moment;
+    }
+    if (scenario_.sampled) return;
+    if (law_) {
+      ask_law(state, z, dz);
+    } else if (scenario_.torque) {
+      input_.drive = scenario_.torque->value(now);
+    }
+  }
+
+  void ask_law(const model::State& state, const double* z, double* dz) noexcept {
+    const model::Observation seen = machine_.observe(state);
+    LawState memory = LawState::Zero();
+    std::copy_n(z, law_->states(), memory.data());
+    input_.drive = law_->torque(seen, memory);
+    if (law_->states() == 0) return;
+    const DriveTorques given = within_limits(machine_, seen, input_.drive);
+    const LawState rates = law_->rates(seen, memory, input_.drive, given);
+    std::copy_n(rates.data(), law_->states(), dz);
+  }
+
+  const model::Machine& machine_;
+  const Scenario& scenario_;
+  const Law* law_;
+  double origin_ = 0.0;
+  double within_ = 0.0;
+  model::Input input_;
+  bool input_finite_ = true;
+};
+
+/// Torques that are asked for once a tick and act some ticks later, zero until then.
+class HeldDrives {
+ public:
+  HeldDrives(const Rig& rig, const model::Machine& machine, const Scenario& scenario)
+      : scenario_(scenario), waiting_(rig.loop.command_delay_ticks + 1u) {
+    if (scenario.torque) return;
+    law_.emplace(rig, machine);
+    law_->reset(machine.observe(scenario.start));
+  }
+
+  /// Torques over tick k, which begins at t [s] in this state.
+  const DriveTorques& over_tick(std::int64_t k, double t, double tick, const model::State& state,
+                                const model::Observation& seen) {
+    const auto size = static_cast<std::int64_t>(waiting_.size());
+    // A row of a table that begins with the tick counts, whatever the rounding of its time.
+    waiting_[(k + size - 1) % size] =
+        law_ ? law_->step(seen) : scenario_.torque->value({t, t + kSameCount * tick, state});
+    return waiting_[k % size];
+  }
+
+ private:
+  const Scenario& scenario_;
+  std::optional<SampledLaw> law_;
+  std::vector<DriveTorques> waiting_;
+};
+
+class Run {
+ public:
+  Run(const Rig& rig, const model::Machine& machine, const Scenario& scenario, Spectator& spectator)
+      : rig_(rig),
+        machine_(machine),
+        scenario_(scenario),
+        spectator_(spectator),
+        grid_(grid_of(rig, scenario)),
+        law_(scenario.sampled || scenario.torque ? nullptr : make_law(rig)),
+        ode_(machine, scenario, law_.get()),
+        stepper_(ode_, scenario.stepping),
+        y_(static_cast<std::size_t>(ode_.size())),
+        state_(scenario.start) {
+    if (scenario.sampled) drives_.emplace(rig, machine, scenario);
+    pack(state_, machine.coordinates(), y_.data());
+    if (law_) {
+      const LawState memory = law_->start(machine.observe(state_));
+      std::copy_n(memory.data(), law_->states(), y_.data() + 2 * machine.coordinates());
+    }
+    breakpoints_ = scenario.external.breakpoints;
+    if (!scenario.sampled && scenario.torque) {
+      const auto& more = scenario.torque->breakpoints;
+      breakpoints_.insert(breakpoints_.end(), more.begin(), more.end());
+      std::sort(breakpoints_.begin(), breakpoints_.end());
+    }
+  }
+
+  Outcome go() {
+    using End = Outcome::End;
+    outcome_.tilt = outcome_.largest_tilt = machine_.tilt(state_);
+    if (outcome_.tilt > rig_.safety.fall_tilt_rad) outcome_.fell_at = 0.0;
+    if (!scenario_.sampled) {
+      ode_.stay_within(0.5 * grid_.step);
+      ode_.look(0.0, y_.data());
+    }
+    spectator_.sample({0.0, state_, ode_.input()});
+    for (std::int64_t i = 0; i < grid_.samples * grid_.steps_per_sample; ++i) {
+      if (!spectator_.go_on(outcome_.t)) {
+        outcome_.end = End::kStopped;
+        return outcome_;
+      }
+      const bool done = step(i);
+      if (!ode_.input_finite() || !done) {
+        outcome_.end = ode_.input_finite() ? End::kNotFinite : End::kInputNotFinite;
+        return outcome_;
+      }
+      note(grid_.time(i + 1));
+      if ((i + 1) % grid_.steps_per_sample == 0) {
+        spectator_.sample({outcome_.t, state_, ode_.input()});
+      }
+    }
+    return outcome_;
+  }
+
+ private:
+  /// One grid step, cut at breakpoints so that the right-hand side is smooth within each piece.
+  bool step(std::int64_t i) {
+    const double t = grid_.time(i);
+    ode_.start_at(t);
+    if (drives_) {
+      ode_.hold(drives_->over_tick(i, t, grid_.step, state_, machine_.observe(state_)));
+    }
+    const double same = std::min(kSameTime * std::max(1.0, t), kSameCount * grid_.step);
+    double begin = 0.0;  // since t, as the live plant counts
+    auto cut = std::upper_bound(breakpoints_.begin(), breakpoints_.end(), t + same);
+    while (begin < grid_.step) {
+      double end = grid_.step;
+      if (cut != breakpoints_.end() && *cut - t < grid_.step - same) end = *cut++ - t;
+      if (end - begin <= same) continue;
+      ode_.stay_within(t + 0.5 * (begin + end));
+      if (!stepper_.advance(begin, end, y_)) return false;
+      begin = end;
+    }
+    const model::State next =
+        unpack(y_.data(), machine_.coordinates(), scenario_.start.rotor_speed);
+    if (!next.finite()) return false;
+    state_ = next;
+    ode_.look(grid_.step, y_.data());
+    return true;
+  }
+
+  void note(double t) {
+    const double tilt = machine_.tilt(state_);
+    const double limit = rig_.safety.fall_tilt_rad;
+    if (!outcome_.fell_at && tilt > limit) {
+      const double share = (limit - outcome_.tilt) / (tilt - outcome_.tilt);
+      outcome_.fell_at = outcome_.t + share * (t - outcome_.t);
+    }
+    outcome_.t = t;
+    outcome_.tilt = tilt;
+    outcome_.largest_tilt = std::max(outcome_.largest_tilt, tilt);
+  }
+
+  const Rig& rig_;
+  const model::Machine& machine_;
+  const Scenario& scenario_;
+  Spectator& spectator_;
+  const Grid grid_;
+  const std::unique_ptr<Law> law_;  // of continuous feedback
+  LoopOde ode_;
+  Stepper stepper_;
+  std::optional<HeldDrives> drives_;  // of sampled feedback
+  std::vector<double> breakpoints_;
+  std::vector<double> y_;
+  model::State state_;
+  Outcome outcome_;
+};
+
+}  // namespace
+
+Outcome simulate(const Rig& rig, const model::Machine& machine, const Scenario& scenario,
+                 Spectator& spectator) {
+  return Run(rig, machine, scenario, spectator).go();
+}
+
+model::Machine with_ideal_drives(model::Machine machine) {
+  for (model::Drive& drive : machine.drives) {
+    drive.motor.reset();
+    drive.torque_limit = std::numeric_limits<double>::infinity();
+  }
+  return machine;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,95 @@
+// A rig's plant and law, run offline from a start to an end. Pure: inputs in, samples out; the same
+// steps as the live system where feedback is sampled.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "services/controller/law.hpp"
+#include "services/integrator/stepper.hpp"
+#include "services/model/machine.hpp"
+#include "services/runtime/rig.hpp"
+
+namespace gyrotwin {
+
+/// When and in which state an input is asked for.
+struct Instant {
+  double t;       ///< [s]
+  double within;  ///< inside the piece of time that is being integrated: what jumps at breakpoints
+                  ///< is read here, and so never from the wrong side [s]
+  const model::State& state;
+};
+
+/// What acts on the structure, world frame, the force at the push point.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< [N m]
+};
+
+/// A function of time and state, smooth between its breakpoints; absent: zero. Both must be
+/// finite: what is not ends the simulation.
+template <class Value>
+struct InputFunction {
+  std::function<Value(const Instant&)> value;
+  std::vector<double> breakpoints;  ///< where it jumps, ascending [s]
+};
+
+/// What to simulate.
+struct Scenario {
+  model::State start;
+  double duration = 10.0;  ///< [s]
+  std::optional<double>
+      sample;           ///< between samples [s]; by default 0.01 s, or the ticks next to it
+  bool sampled = true;  ///< drives held over each tick, as in the live system
+  StepPolicy stepping;  ///< fixed: substeps per tick
+  std::optional<InputFunction<DriveTorques>> torque;  ///< replaces the rig's law [N m]
+  InputFunction<Wrench> external;
+};
+
+/// The machine at one instant.
+struct Sample {
+  double t;  ///< [s]
+  const model::State& state;
+  const model::Input& input;  ///< that led here; at the start of sampled feedback: none
+};
+
+/// Who looks on. Called in order of time.
+class Spectator {
+ public:
+  virtual ~Spectator() = default;
+  /// Every sample, the start included.
+  virtual void sample(const Sample& sample) = 0;
+  /// Between samples too, at least every 10 ms of simulated time. @return whether to go on
+  virtual bool go_on(double t) = 0;
+};
+
+/// How a simulation ended.
+struct Outcome {
+  enum class End {
+    kDuration,        ///< reached
+    kStopped,         ///< by the spectator
+    kInputNotFinite,  ///< a torque or wrench was not finite
+    kNotFinite        ///< the solver failed or the state was not finite
+  };
+  End end = End::kDuration;
+  double t = 0.0;                 ///< last time with a sound state [s]
+  double tilt = 0.0;              ///< then [rad]
+  double largest_tilt = 0.0;      ///< until then [rad]
+  std::optional<double> fell_at;  ///< when the tilt first passed the rig's safety.fall_tilt_rad [s]
+};
+
+/// Runs a scenario. Sampled feedback takes the very steps of a live system in lockstep: the law
+/// once a tick, its torque held from `command_delay_ticks` later, `substeps` from local time 0.
+/// Continuous feedback asks law or torque at every evaluation and integrates the law's memory too.
+/// @param rig its law, unless the scenario has a torque; its tick, delay and fall limit
+/// @param machine the rig's, whose drives may have been changed
+/// @throws Error when law, tick and sample do not fit together
+Outcome simulate(const Rig& rig, const model::Machine& machine, const Scenario& scenario,
+                 Spectator& spectator);
+
+/// The machine with drives that give any torque at any speed.
+model::Machine with_ideal_drives(model::Machine machine);
+
+}  // namespace gyrotwin

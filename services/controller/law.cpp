@@ -1,0 +1,83 @@
+#include "services/controller/law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/controller/constant_speed.hpp"
+#include "services/controller/momentum_manager.hpp"
+#include "services/controller/precession_lqr.hpp"
+#include "services/controller/reduced_lqr.hpp"
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+void check_fit(const Rig& rig) {
+  const LawKind law = rig.controller.law;
+  if (law == LawKind::kNone) return;
+  const bool umbrella = std::holds_alternative<model::UmbrellaParameters>(rig.machine);
+  if (umbrella == (law != LawKind::kPrecessionLqr)) return;
+  throw Error(rig.file.string() + ": law " + std::string(name_of(law)) + " does not fit " +
+              (umbrella ? "an umbrella platform, which has a disc drive and no gimbal drives; laws "
+                          "that fit: constant_speed, momentum_manager, reduced_lqr, none"
+                        : "a machine with gimbal drives and no disc; laws that fit: "
+                          "precession_lqr, none"));
+}
+
+bool finite(const model::Observation& seen) noexcept {
+  const auto all = [](const auto& values) {
+    return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+  };
+  return all(seen.tilt) && all(seen.tilt_rate) && all(seen.disc_tilt) && all(seen.disc_tilt_rate) &&
+         std::isfinite(seen.disc_angle) && std::isfinite(seen.disc_rate) &&
+         all(seen.gimbal_angle) && all(seen.gimbal_rate) && all(seen.rotor_speed);
+}
+
+}  // namespace
+
+DriveTorques within_limits(const model::Machine& machine, const model::Observation& seen,
+                           const DriveTorques& wanted) noexcept {
+  const model::State state = machine.recall(seen);
+  DriveTorques given{};
+  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
+    const double rate = machine.drive_rate(static_cast<int>(i), state);
+    const auto [low, high] = machine.drives[i].range(rate);
+    given[i] = std::clamp(wanted[i], low, high);
+  }
+  return given;
+}
+
+std::unique_ptr<Law> make_law(const Rig& rig) {
+  check_fit(rig);
+  switch (rig.controller.law) {
+    case LawKind::kNone:
+      return nullptr;
+    case LawKind::kConstantSpeed:
+      return std::make_unique<ConstantSpeed>(rig);
+    case LawKind::kMomentumManager:
+      return std::make_unique<MomentumManager>(rig);
+    case LawKind::kReducedLqr:
+      return std::make_unique<ReducedLqr>(rig);
+    case LawKind::kPrecessionLqr:
+      return std::make_unique<PrecessionLqr>(rig);
+  }
+  return nullptr;
+}
+
+SampledLaw::SampledLaw(const Rig& rig, const model::Machine& machine)
+    : law_(make_law(rig)), machine_(machine), tick_s_(rig.loop.tick_s()) {}
+
+void SampledLaw::reset(const model::Observation& seen) noexcept {
+  z_ = law_ ? law_->start(seen) : LawState::Zero();
+}
+
+DriveTorques SampledLaw::step(const model::Observation& seen) noexcept {
+  if (!law_ || !finite(seen)) return {};
+  const DriveTorques wanted = law_->torque(seen, z_);
+  const DriveTorques given = within_limits(machine_, seen, wanted);
+  z_ += tick_s_ * law_->rates(seen, z_, wanted, given);
+  return given;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,46 @@
+// The controller on the bus: woken by STATE, it answers at once.
+#pragma once
+
+#include "services/controller/controller.hpp"
+#include "services/runtime/bus.hpp"
+#include "services/runtime/clock.hpp"
+#include "services/runtime/daemon.hpp"
+#include "services/runtime/histogram.hpp"
+
+namespace gyrotwin {
+
+/// One thread does everything; nothing allocates in run().
+class ControllerService {
+ public:
+  /// All references outlive the service.
+  ControllerService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon);
+
+  /// Answers until the daemon stops.
+  void run() noexcept;
+
+  const Law& law() const noexcept { return controller_.law(); }
+
+ private:
+  void listen(std::int64_t now) noexcept;
+  void on_state(const state_t& state, std::int64_t now) noexcept;
+  void on_owner(const status_t& status, std::int64_t now) noexcept;
+  void report(std::int64_t now) noexcept;
+  bool owner_lost(std::int64_t now) const noexcept;
+
+  Bus& bus_;
+  Clock& clock_;
+  Daemon& daemon_;
+  std::int64_t epoch_;  // of what it sends; a new one for every run of the owner
+  Controller controller_;
+
+  status_t owner_{};               // the last STATUS of the owner
+  std::int64_t owner_heard_ = -1;  // wall time; -1: never
+  std::int64_t answered_at_ = -1;  // wall time of the last COMMAND
+  std::int64_t status_due_ = 0;    // wall time
+  std::int64_t window_due_ = 0;    // wall time at which the statistics roll
+  std::int64_t status_sequence_ = 0;
+  bool said_lost_ = true;      // nothing to say before an owner was there
+  WindowedHistogram compute_;  // STATE received to COMMAND sent
+};
+
+}  // namespace gyrotwin

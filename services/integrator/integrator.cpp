@@ -1,0 +1,162 @@
+#include "services/integrator/integrator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/runtime/observation_wire.hpp"
+#include "services/runtime/text.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+// Beyond this tilt a structure lies on the ground, which the model does not have [rad].
+constexpr double kLyingTilt = 1.4;
+
+static_assert(Rig::Loop::kMaxCommandDelay == CommandGate::kMaxDelay);
+
+std::string_view view(const std::array<std::uint8_t, 96>& text) {
+  const char* begin = reinterpret_cast<const char*>(text.data());
+  return {begin, static_cast<std::size_t>(std::find(text.begin(), text.end(), 0) - text.begin())};
+}
+
+template <std::size_t N>
+void copy(const std::array<double, N>& from, double (&to)[N]) {
+  std::copy(from.begin(), from.end(), std::begin(to));
+}
+
+void copy(const Eigen::Vector3d& from, double (&to)[3]) { std::copy_n(from.data(), 3, to); }
+
+}  // namespace
+
+Integrator::Integrator(const Rig& rig, std::int64_t epoch)
+    : rig_(rig),
+      machine_(rig.build_machine()),
+      valid_(valid_groups(machine_)),
+      plant_(machine_, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps}),
+      gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
+      epoch_(epoch) {
+  plant_.set_state(machine_.state(rig.initial_q, rig.initial_v));
+  truth_ = machine_.truth(plant_.state(), input_);
+  gate_.reset(epoch);
+}
+
+void Integrator::enter(Event event, std::string_view why) noexcept {
+  const std::optional<Mode> to = next(mode_, event);
+  if (!to) return;
+  if (*to == Mode::kSafeStop) {
+    for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
+      held_speed_[i] = machine_.drive_rate(static_cast<int>(i), plant_.state());
+    }
+  }
+  waiting_for_controller_ = event == Event::kNoController;
+  if (event != Event::kStep) steps_left_ = 0;
+  mode_ = *to;
+  why_.fill(0);
+  std::copy_n(why.begin(), std::min(why.size(), why_.size() - 1), why_.begin());
+}
+
+void Integrator::notice(Event event, std::string_view why) noexcept { enter(event, why); }
+
+void Integrator::on_command(const command_t& command) noexcept {
+  if (mode_ != Mode::kRunning && mode_ != Mode::kPaused) return;
+  gate_.offer(command, tick_);
+}
+
+model::Input Integrator::commanded() noexcept {
+  model::Input input;
+  const command_t* command = gate_.acting(tick_);
+  if (command == nullptr) return input;
+  input.mode = command->mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage
+                                                     : model::DriveMode::kTorque;
+  std::copy(std::begin(command->value), std::end(command->value), input.drive.begin());
+  return input;
+}
+
+model::Input Integrator::safe_stop() const noexcept {
+  model::Input input;
+  if (rig_.safety.drive == SafeStopDrive::kBrake) {
+    input.mode = model::DriveMode::kBrake;
+    input.drive.fill(rig_.safety.gain);
+  }
+  if (rig_.safety.drive == SafeStopDrive::kHoldSpeed) {
+    for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
+      const double rate = machine_.drive_rate(static_cast<int>(i), plant_.state());
+      input.drive[i] = rig_.safety.gain * (held_speed_[i] - rate);
+    }
+  }
+  return input;
+}
+
+void Integrator::advance() noexcept {
+  if (!ticks(mode_)) return;
+  if (mode_ == Mode::kRunning && rig_.loop.clock == ClockMode::kRealtime && gate_.lost(tick_)) {
+    enter(Event::kCommandLost,
+          "no valid command in time; start the controller, then reset and arm");
+  }
+  model::Input input = mode_ == Mode::kRunning ? commanded() : safe_stop();
+  disturbances_.apply(tick_, input);
+
+  history_[tick_ % kHistory] = {tick_, plant_.state(), input};
+  if (!lying_ && !plant_.advance(input)) {
+    enter(Event::kNotFinite,
+          "the solver failed or the state is not finite; the log has the last ticks");
+    return;
+  }
+  ++tick_;
+  input_ = input;
+  evaluations_max_ = std::max(evaluations_max_, plant_.evaluations());
+  truth_ = machine_.truth(plant_.state(), input_);
+
+  const double tilt = machine_.tilt(plant_.state());
+  if (tilt > rig_.safety.fall_tilt_rad)
+    enter(Event::kTiltLimit, "tilt beyond safety.fall_tilt_rad");
+  if (tilt > kLyingTilt && !lying_) {
+    model::State lying = plant_.state();
+    lying.v.setZero();
+    plant_.set_state(lying);
+    lying_ = true;
+  }
+  if (steps_left_ > 0 && --steps_left_ == 0) enter(Event::kStepsDone, "the ticks of step are done");
+}
+
+void Integrator::fill(state_t& state) const noexcept {
+  state.mode = static_cast<std::int32_t>(mode_);
+  to_wire(machine_.observe(plant_.state()), valid_, state);
+  copy(truth_.drive_torque, state.drive_torque_nm);
+}
+
+void Integrator::fill(truth_t& truth) const noexcept {
+  copy(truth_.contact_lower, truth.contact_lower_n);
+  copy(truth_.contact_upper, truth.contact_upper_n);
+  copy(truth_.holding_moment, truth.holding_moment_nm);
+  truth.kinetic_energy_j = truth_.kinetic_energy;
+  truth.potential_energy_j = truth_.potential_energy;
+  copy(truth_.angular_momentum, truth.angular_momentum_nms);
+  copy(input_.force, truth.external_force_n);
+  copy(input_.moment, truth.external_moment_nm);
+  truth.tilt_margin_rad = rig_.safety.fall_tilt_rad - machine_.tilt(plant_.state());
+  truth.gimbal_margin_rad = truth_.gimbal_margin;
+  copy(truth_.drive_margin, truth.drive_margin_nm);
+}
+
+void Integrator::fill(status_t& status) const noexcept {
+  status.service = status_t::INTEGRATOR;
+  status.mode = static_cast<std::int32_t>(mode_);
+  set_text(status.text, "{}", view(why_));
+  status.speed_factor = speed_;
+  status.tick_period_ns = rig_.loop.tick_ns();
+  status.rhs_evaluations_max = evaluations_max_;
+  status.command_writer = gate_.writer();
+  status.command_counter = gate_.counter();
+  status.request_writer = last_reply_.request_writer;
+  status.request_counter = last_reply_.request_counter;
+  const CommandGate::Refusals& refused = gate_.refusals();
+  status.refused_not_finite = refused.not_finite;
+  status.refused_epoch = refused.epoch;
+  status.refused_expired = refused.expired;
+  status.refused_counter = refused.counter;
+  status.refused_writer = refused.writer;
+}
+
+}  // namespace gyrotwin

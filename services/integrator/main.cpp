@@ -1,0 +1,50 @@
+#include "services/integrator/service.hpp"
+#include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
+#include "services/runtime/rig_bus.hpp"
+
+namespace {
+
+using namespace gyrotwin;
+
+constexpr int kPriority = 80;
+
+/// The rig's own substeps must do for its own tolerance.
+void check_stepping(const Rig& rig, Daemon& daemon) {
+  const double error = stepping_error(rig, rig.build_machine());
+  if (!(error <= rig.loop.step_tolerance)) {
+    throw Error(
+        fmt::format("{}: {} substeps a tick are off by {:.2g} rad over the check, more than "
+                    "loop.step_tolerance_rad = {:g}; raise loop.substeps",
+                    rig.file.string(), rig.loop.substeps, error, rig.loop.step_tolerance));
+  }
+  daemon.log(LogLevel::kInfo, "{} substeps a tick: off by {:.2g} rad over the check",
+             rig.loop.substeps, error);
+}
+
+int run(const RigOptions& options) {
+  const Rig rig = options.load();
+  Daemon daemon("gyrotwin-integrator");
+  check_stepping(rig, daemon);
+  MonotonicClock clock;
+  Bus bus(bus_config(rig, header_t::SIMULATION));
+  IntegratorService service(rig, bus, clock, daemon);
+  service.claim();
+  daemon.log(LogLevel::kInfo, "owns rig {} at {:g} Hz, heard on {}", rig.name, rig.loop.rate_hz,
+             reach(rig));
+  daemon.become_realtime(kPriority);
+  service.run();
+  daemon.log(LogLevel::kInfo, "stopped");
+  return kDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Owns a simulated plant: publishes its STATE at the rig's rate, obeys COMMAND and answers "
+      "REQUEST. Starts HELD; `gyrotwin ctl arm` lets go.",
+      "gyrotwin-integrator");
+  const gyrotwin::RigOptions options(app);
+  return gyrotwin::run_program(argc, argv, app, [&] { return run(options); });
+}

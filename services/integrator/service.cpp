@@ -1,0 +1,241 @@
+#include "services/integrator/service.hpp"
+
+#include "services/runtime/error.hpp"
+#include "services/runtime/key.hpp"
+#include "services/runtime/rig_bus.hpp"
+#include "services/runtime/text.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kClaim = kSecond;  // listening before owning
+constexpr std::int64_t kStatusPeriod = kSecond / 10;
+constexpr std::int64_t kRepeat = 20 * kMillisecond;  // STATE while time stands still
+constexpr std::int64_t kPatience = 2 * kSecond;      // lockstep: then "waiting for controller"
+constexpr std::int64_t kHeardLately = kSecond;
+
+std::int32_t pace(ClockMode clock) {
+  switch (clock) {
+    case ClockMode::kLockstep:
+      return status_t::PACE_LOCKSTEP;
+    case ClockMode::kFree:
+      return status_t::PACE_FREE;
+    case ClockMode::kRealtime:
+      break;
+  }
+  return status_t::PACE_REALTIME;
+}
+
+bool lately(std::int64_t heard, std::int64_t now) {
+  return heard >= 0 && now - heard < kHeardLately;
+}
+
+}  // namespace
+
+IntegratorService::IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon)
+    : rig_(rig),
+      bus_(bus),
+      clock_(clock),
+      daemon_(daemon),
+      integrator_(rig, random_id()),
+      pacer_(rig.loop.tick_ns(), rig.loop.overrun) {}
+
+void IntegratorService::claim() {
+  const std::int64_t end = clock_.now_ns() + kClaim;
+  for (std::int64_t now = clock_.now_ns(); now < end && !daemon_.stopping();
+       now = clock_.now_ns()) {
+    bus_.wait(end - now);
+    while (const auto reception = bus_.receive()) {
+      if (reception->channel != Channel::kIntegratorStatus) continue;
+      status_t other;
+      Bus::decode(*reception, other);
+      throw Error(
+          fmt::format("rig {} is owned already by process {} on {}; stop that one first, or "
+                      "give this rig a file with another id, port and prefix",
+                      rig_.name, other.pid, get_text(other.host)));
+    }
+  }
+}
+
+void IntegratorService::run() noexcept {
+  publish(clock_.now_ns());
+  while (!daemon_.stopping()) {
+    const std::int64_t now = clock_.now_ns();
+    listen(now);
+    if (must_tick(now)) tick(now);
+    follow_mode(now);
+    report(now);
+    rest(clock_.now_ns());
+  }
+}
+
+/// Whether wall time makes the ticks; in lockstep the controller's answers do.
+bool IntegratorService::paced() const noexcept {
+  const Mode mode = integrator_.mode();
+  return ticks(mode) && !(mode == Mode::kRunning && rig_.loop.clock == ClockMode::kLockstep);
+}
+
+bool IntegratorService::must_tick(std::int64_t now) const noexcept {
+  if (paced()) return now >= pacer_.deadline();
+  return ticks(integrator_.mode()) && integrator_.answered();
+}
+
+void IntegratorService::tick(std::int64_t now) noexcept {
+  if (paced() && !pacer_.begin(now)) {
+    integrator_.notice(Event::kOverrun, "a tick overran and loop.overrun is stop");
+  }
+  integrator_.advance();
+  publish(now);
+  pacer_.worked(clock_.now_ns() - now);
+}
+
+/// Sleeps until there is something to do.
+void IntegratorService::rest(std::int64_t now) noexcept {
+  if (paced()) {
+    clock_.sleep_until(pacer_.deadline());
+    return;
+  }
+  await_controller(now);
+  if (now - sent_at_ >= kRepeat) send_state(now);
+  bus_.wait(sent_at_ + kRepeat - now);
+}
+
+void IntegratorService::await_controller(std::int64_t now) noexcept {
+  if (integrator_.mode() == Mode::kRunning && now - asked_at_ >= kPatience) {
+    integrator_.notice(Event::kNoController, "waiting for controller");
+    follow_mode(now);
+  }
+}
+
+void IntegratorService::listen(std::int64_t now) noexcept {
+  while (const auto reception = bus_.receive()) {
+    switch (reception->channel) {
+      case Channel::kCommand: {
+        command_t command;
+        Bus::decode(*reception, command);
+        if (command.owner_epoch == integrator_.epoch()) controller_heard_ = now;
+        integrator_.on_command(command);
+        break;
+      }
+      case Channel::kRequest: {
+        request_t request;
+        Bus::decode(*reception, request);
+        on_request(request, now);
+        break;
+      }
+      case Channel::kControllerStatus:
+        controller_heard_ = now;
+        break;
+      case Channel::kState:
+      case Channel::kIntegratorStatus:
+        on_other_owner(*reception, now);
+        break;
+      case Channel::kReply:
+      case Channel::kTruth:
+        break;
+    }
+  }
+  if (integrator_.waiting_for_controller() && integrator_.answered()) {
+    integrator_.notice(Event::kControllerBack, "");
+  }
+}
+
+void IntegratorService::on_request(const request_t& request, std::int64_t now) noexcept {
+  const Surroundings surroundings{.controller_heard = lately(controller_heard_, now),
+                                  .other_owner_heard = lately(other_owner_heard_, now),
+                                  .fresh_epoch = random_id()};
+  reply_t reply;
+  integrator_.on_request(request, surroundings, reply);
+  if (integrator_.speed() != pacer_.speed()) pacer_.set_speed(integrator_.speed(), now);
+  follow_mode(now);
+  bus_.send(
+      Channel::kReply, reply,
+      {integrator_.epoch(), ++reply_sequence_, integrator_.tick(), integrator_.sim_time_ns()});
+  daemon_.log(reply.result == reply_t::APPLIED ? LogLevel::kInfo : LogLevel::kWarning,
+              "request {}: {}{}", request.verb, reply.result == reply_t::APPLIED ? "" : "refused: ",
+              reinterpret_cast<const char*>(reply.text));
+}
+
+/// Own messages never come back, so whoever speaks as an owner is another one.
+void IntegratorService::on_other_owner(const Reception& reception, std::int64_t now) noexcept {
+  other_owner_heard_ = now;
+  if (reception.channel != Channel::kIntegratorStatus) {
+    integrator_.notice(Event::kConflict, "another owner publishes this rig's STATE");
+    return;
+  }
+  status_t other;
+  Bus::decode(reception, other);
+  std::uint8_t why[96];
+  set_text(why, "conflict: process {} on {:.24} owns this rig too", other.pid,
+           reinterpret_cast<const char*>(other.host));
+  integrator_.notice(Event::kConflict, reinterpret_cast<const char*>(why));
+}
+
+/// The present tick's messages, for the first time.
+void IntegratorService::publish(std::int64_t now) noexcept {
+  integrator_.fill(state_);
+  integrator_.fill(truth_);
+  stamp_ = {integrator_.epoch(), integrator_.sequence(), integrator_.tick(),
+            integrator_.sim_time_ns()};
+  asked_at_ = now;
+  send_state(now);
+}
+
+void IntegratorService::send_state(std::int64_t now) noexcept {
+  bus_.send(Channel::kState, state_, stamp_);
+  bus_.send(Channel::kTruth, truth_, stamp_);
+  sent_at_ = now;
+}
+
+/// A new mode or run is said at once; where time stood still, it goes on from now.
+void IntegratorService::follow_mode(std::int64_t now) noexcept {
+  const Mode mode = integrator_.mode();
+  const bool new_run = integrator_.epoch() != stamp_.epoch;
+  if (mode == followed_mode_ && !new_run) return;
+  if (!ticks(followed_mode_)) pacer_.anchor(now);
+  followed_mode_ = mode;
+  asked_at_ = now;
+  publish_status();
+  if (new_run || integrator_.sequence() != stamp_.sequence) publish(now);
+  if (mode == Mode::kFault) log_history();
+}
+
+void IntegratorService::publish_status() noexcept {
+  status_t status{};
+  integrator_.fill(status);
+  status.clock = pace(rig_.loop.clock);
+  fill_process(status, bus_.counters());
+  fill_loop(status, pacer_);
+  bus_.send(
+      Channel::kIntegratorStatus, status,
+      {integrator_.epoch(), ++status_sequence_, integrator_.tick(), integrator_.sim_time_ns()});
+}
+
+/// STATUS at its rate, statistics at theirs.
+void IntegratorService::report(std::int64_t now) noexcept {
+  if (now >= window_due_) {
+    pacer_.lateness().roll();
+    pacer_.compute().roll();
+    window_due_ = now + kSecond;
+  }
+  if (now < status_due_) return;
+  status_due_ = now + kStatusPeriod;
+  publish_status();
+}
+
+void IntegratorService::log_history() noexcept {
+  integrator_.visit_history([this](const TickRecord& record) {
+    const auto& q = record.state.q;
+    const auto& v = record.state.v;
+    daemon_.log(LogLevel::kError,
+                "tick {}: q {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} v {:.6g} "
+                "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} drive {:.6g} {:.6g}",
+                record.tick, q[0], q[1], q[2], q[3], q[4], q[5], v[0], v[1], v[2], v[3], v[4], v[5],
+                record.input.drive[0], record.input.drive[1]);
+  });
+}
+
+}  // namespace gyrotwin

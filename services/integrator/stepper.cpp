@@ -1,0 +1,94 @@
+#include "services/integrator/stepper.hpp"
+
+#include <arkode/arkode_erkstep.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr long kMaxSteps = 10'000'000;
+
+int right_hand_side(realtype t, N_Vector y, N_Vector dy, void* context) {
+  static_cast<Ode*>(context)->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
+  return 0;
+}
+
+// SUNDIALS would print to stderr; the return code says enough.
+void ignore_message(int, const char*, const char*, char*, void*) {}
+
+void require(bool ok, const char* what) {
+  if (!ok) throw Error(std::string("SUNDIALS: ") + what + " failed");
+}
+
+}  // namespace
+
+struct Stepper::Solver {
+  SUNContext context = nullptr;
+  N_Vector y = nullptr;
+  void* memory = nullptr;
+  StepPolicy policy;
+  long evaluations_before = 0;
+  std::int64_t evaluations = 0;
+
+  ~Solver() {
+    if (memory) ERKStepFree(&memory);
+    if (y) N_VDestroy(y);
+    if (context) SUNContext_Free(&context);
+  }
+};
+
+Stepper::Stepper(Ode& ode, const StepPolicy& policy) : solver_(std::make_unique<Solver>()) {
+  Solver& s = *solver_;
+  s.policy = policy;
+  require(SUNContext_Create(nullptr, &s.context) == 0, "SUNContext_Create");
+  s.y = N_VNew_Serial(ode.size(), s.context);
+  require(s.y != nullptr, "N_VNew_Serial");
+  N_VConst(0.0, s.y);
+  s.memory = ERKStepCreate(right_hand_side, 0.0, s.y, s.context);
+  require(s.memory != nullptr, "ERKStepCreate");
+  require(ERKStepSetErrHandlerFn(s.memory, ignore_message, nullptr) == ARK_SUCCESS,
+          "error handler");
+  require(ERKStepSetUserData(s.memory, &ode) == ARK_SUCCESS, "ERKStepSetUserData");
+  require(ERKStepSetTableNum(s.memory, ARKODE_DORMAND_PRINCE_7_4_5) == ARK_SUCCESS,
+          "ERKStepSetTableNum");
+  if (policy.adaptive) {
+    require(ERKStepSStolerances(s.memory, policy.rtol, policy.atol) == ARK_SUCCESS, "tolerances");
+    require(ERKStepSetMaxNumSteps(s.memory, kMaxSteps) == ARK_SUCCESS, "step limit");
+  }
+}
+
+Stepper::~Stepper() = default;
+
+bool Stepper::advance(double t0, double t1, std::span<double> y) noexcept {
+  Solver& s = *solver_;
+  std::copy(y.begin(), y.end(), N_VGetArrayPointer(s.y));
+  // The input may have jumped at t0: nothing of the step before is reused.
+  bool ok = ERKStepReset(s.memory, t0, s.y) == ARK_SUCCESS;
+  realtype t = t0;
+  if (s.policy.adaptive) {
+    ok = ok && ERKStepSetStopTime(s.memory, t1) == ARK_SUCCESS &&
+         ERKStepEvolve(s.memory, t1, s.y, &t, ARK_NORMAL) >= 0;
+  } else {
+    ok = ok && ERKStepSetFixedStep(s.memory, (t1 - t0) / s.policy.substeps) == ARK_SUCCESS;
+    for (int i = 0; ok && i < s.policy.substeps; ++i) {
+      ok = ERKStepEvolve(s.memory, t1, s.y, &t, ARK_ONE_STEP) >= 0;
+    }
+  }
+  std::copy_n(N_VGetArrayPointer(s.y), y.size(), y.begin());
+  long evaluations = 0;
+  ERKStepGetNumRhsEvals(s.memory, &evaluations);
+  s.evaluations = evaluations - s.evaluations_before;
+  s.evaluations_before = evaluations;
+  return ok;
+}
+
+std::int64_t Stepper::evaluations() const noexcept { return solver_->evaluations; }
+
+}  // namespace gyrotwin

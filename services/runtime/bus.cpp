@@ -1,0 +1,181 @@
+#include "services/runtime/bus.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+#include <limits>
+
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+namespace {
+
+constexpr int kLongestBurst = 256;
+
+/// a + b, b not negative; a hostile sequence number must not overflow a counter.
+std::int64_t add_saturating(std::int64_t a, std::int64_t b) noexcept {
+  return b > std::numeric_limits<std::int64_t>::max() - a ? std::numeric_limits<std::int64_t>::max()
+                                                          : a + b;
+}
+
+std::int64_t monotonic_ns() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+/// How many datagrams the kernel has dropped on this socket, as told with a datagram.
+std::optional<std::uint32_t> kernel_drops(msghdr& message) noexcept {
+  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t drops = 0;
+    std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
+    return drops;
+  }
+  return {};
+}
+
+/// The sockets, once the configuration holds together.
+MulticastSockets open(const BusConfig& config) {
+  if (!config.key && config.ttl != 0) {
+    throw Error("network.sign = false with network.ttl = " + std::to_string(config.ttl) +
+                ": unsigned messages must not leave this host; set network.sign = true, or "
+                "network.ttl = 0");
+  }
+  return open_multicast(config.group, config.port, config.interface, config.ttl);
+}
+
+}  // namespace
+
+Bus::Bus(const BusConfig& config)
+    : format_(config.prefix, config.rig_id, config.key),
+      sockets_(open(config)),
+      rig_id_(config.rig_id),
+      source_(config.source) {}
+
+std::optional<Reception> Bus::receive() noexcept {
+  while (burst_ < kLongestBurst) {
+    sockaddr_in from;
+    const auto datagram = read(from);
+    if (!datagram) break;
+    ++burst_;
+    if (own(from)) continue;
+    if (const auto reception = judge(*datagram)) return reception;
+  }
+  burst_ = 0;
+  return {};
+}
+
+bool Bus::wait(std::int64_t timeout_ns) noexcept {
+  const std::int64_t limit = std::max<std::int64_t>(timeout_ns, 0);
+  const timespec timeout{.tv_sec = limit / 1'000'000'000, .tv_nsec = limit % 1'000'000'000};
+  pollfd ready{.fd = descriptor(), .events = POLLIN, .revents = 0};
+  return ppoll(&ready, 1, &timeout, nullptr) == 1;
+}
+
+std::optional<std::span<const std::uint8_t>> Bus::read(sockaddr_in& from) noexcept {
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control;
+  iovec buffer{.iov_base = incoming_.data(), .iov_len = incoming_.size()};
+  msghdr message{};
+  message.msg_name = &from;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &buffer;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+
+  const ssize_t size = recvmsg(descriptor(), &message, 0);
+  if (size < 0) return {};
+  if (const auto drops = kernel_drops(message)) {
+    counters_.kernel_dropped += *drops - kernel_drops_;
+    kernel_drops_ = *drops;
+  }
+  return std::span<const std::uint8_t>(incoming_).first(static_cast<std::size_t>(size));
+}
+
+bool Bus::own(const sockaddr_in& from) const noexcept {
+  return from.sin_port == sockets_.own_address.sin_port &&
+         from.sin_addr.s_addr == sockets_.own_address.sin_addr.s_addr;
+}
+
+std::optional<Reception> Bus::judge(std::span<const std::uint8_t> datagram) noexcept {
+  const Parsed parsed = format_.parse(datagram);
+  switch (parsed.verdict) {
+    case Verdict::kGood:
+      return put_in_order(parsed);
+    case Verdict::kMalformed:
+      ++counters_.malformed;
+      break;
+    case Verdict::kForeign:
+      ++counters_.foreign;
+      break;
+    case Verdict::kOtherRig:
+      ++counters_.other_rig;
+      break;
+    case Verdict::kUnauthentic:
+      ++counters_.unauthentic;
+      break;
+  }
+  return {};
+}
+
+std::optional<Reception> Bus::put_in_order(const Parsed& parsed) noexcept {
+  const auto channel = static_cast<std::size_t>(parsed.channel);
+
+  // The sender's entry moves to the front; a new sender takes that of the one not heard for
+  // longest.
+  Senders& senders = senders_[channel];
+  const auto known = std::ranges::find(senders, parsed.epoch, &Sender::epoch);
+  const bool is_new = known == senders.end();
+  const auto entry = is_new ? senders.end() - 1 : known;
+  std::rotate(senders.begin(), entry, entry + 1);
+  Sender& sender = senders.front();
+  if (is_new) sender = {parsed.epoch, parsed.sequence};
+
+  if (parsed.sequence < sender.newest) {
+    ++counters_.reordered[channel];
+    return {};
+  }
+  const bool repeat = !is_new && parsed.sequence == sender.newest;
+  if (repeat) {
+    ++counters_.repeats[channel];
+  } else if (!is_new) {
+    const std::int64_t missing = parsed.sequence - sender.newest - 1;
+    counters_.gaps[channel] = add_saturating(counters_.gaps[channel], missing);
+  }
+  sender.newest = parsed.sequence;
+  ++counters_.received[channel];
+  return Reception{parsed.channel, repeat, parsed.payload};
+}
+
+void Bus::stamp_header(header_t& header, const Stamp& stamp) const noexcept {
+  header.rig_id = rig_id_;
+  header.source = source_;
+  header.epoch = stamp.epoch;
+  header.sequence = stamp.sequence;
+  header.tick = stamp.tick;
+  header.sim_time_ns = stamp.sim_time_ns;
+  header.sender_mono_ns = monotonic_ns();
+}
+
+std::uint8_t* Bus::begin_payload(Channel channel) noexcept {
+  payload_at_ = format_.begin(outgoing_, channel, packets_++);
+  return outgoing_.data() + payload_at_;
+}
+
+void Bus::sign_and_send(Channel channel) noexcept {
+  const std::size_t size = payload_at_ + spec(channel).size;
+  format_.sign(outgoing_, size);
+  const ssize_t taken =
+      ::send(sockets_.sender.get(), outgoing_.data(), size, MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (taken == static_cast<ssize_t>(size)) {
+    ++counters_.sent[static_cast<std::size_t>(channel)];
+  } else {
+    ++counters_.send_failed;
+  }
+}
+
+}  // namespace gyrotwin

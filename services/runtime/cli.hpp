@@ -1,0 +1,52 @@
+// What every program's command line has in common, on CLI11.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "services/runtime/rig.hpp"
+
+namespace gyrotwin {
+
+/// The program did what it was asked for; it could not (refused, fell, timed out); it was asked
+/// wrongly (command line, rig file).
+enum ExitCode : int { kDone = 0, kNotDone = 1, kUsage = 2 };
+
+/// The options about the rig: --rig, --set, --check-config, --print-config.
+class RigOptions {
+ public:
+  /// Adds them to `app`, which must live as long and gets its subcommands afterwards: the options
+  /// may then stand behind a subcommand too.
+  explicit RigOptions(CLI::App& app);
+  RigOptions(const RigOptions&) = delete;
+  RigOptions& operator=(const RigOptions&) = delete;
+
+  /// One more `key=value`, for options that are short for a key; as if given last.
+  void override_key(std::string key_and_value);
+
+  /// The rig that was asked for. When --check-config or --print-config was given, prints the answer
+  /// instead and ends the program through run_program(); so call it first.
+  /// @throws Error when the rig is wrong
+  Rig load() const;
+
+  const std::string& name() const { return rig_; }
+  const std::vector<std::string>& overrides() const { return overrides_; }
+
+ private:
+  std::string rig_ = "prototype_b";
+  std::vector<std::string> overrides_;
+  bool check_ = false;
+  bool print_ = false;
+};
+
+/// A number within [low, high]; refuses nan and inf, which CLI::Range accepts.
+CLI::Validator finite_within(double low, double high);
+
+/// Adds --version, parses the command line and runs `body`, which returns an exit code. A wrong
+/// command line and Error end with kUsage, any other exception with kNotDone, each with one message
+/// `NAME: error: ...` on stderr; NAME is the app's, e.g. gyrotwin-ctl.
+int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>& body);
+
+}  // namespace gyrotwin

@@ -1,0 +1,76 @@
+#include "services/runtime/command_gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gyrotwin {
+
+CommandGate::CommandGate(int timeout_ticks, int delay_ticks)
+    : timeout_(timeout_ticks), delay_(delay_ticks) {}
+
+void CommandGate::reset(std::int64_t owner_epoch) noexcept {
+  epoch_ = owner_epoch;
+  writer_ = 0;
+  counter_ = 0;
+  heard_tick_ = 0;
+  newest_for_tick_ = -1;
+  waiting_count_ = 0;
+  has_acting_ = false;
+}
+
+bool CommandGate::offer(const command_t& command, std::int64_t tick) noexcept {
+  const bool meant =
+      (command.mode == command_t::TORQUE_NM || command.mode == command_t::VOLTAGE_V) &&
+      command.valid_ticks >= 1 &&
+      std::all_of(std::begin(command.value), std::end(command.value),
+                  [](double x) { return std::isfinite(x); });
+  if (!meant) {
+    ++refusals_.not_finite;
+    return false;
+  }
+  if (command.owner_epoch != epoch_) {
+    ++refusals_.epoch;
+    return false;
+  }
+  // tick - for_tick cannot overflow once for_tick is in [0, tick].
+  if (command.for_tick < 0 || command.for_tick > tick ||
+      tick - command.for_tick >= command.valid_ticks) {
+    ++refusals_.expired;
+    return false;
+  }
+  if (writer_ != 0 && command.writer != writer_ && !lost(tick)) {
+    ++refusals_.writer;
+    return false;
+  }
+  if (command.writer == writer_ && command.counter <= counter_) {
+    ++refusals_.counter;
+    return false;
+  }
+
+  writer_ = command.writer;
+  counter_ = command.counter;
+  heard_tick_ = tick;
+  newest_for_tick_ = std::max(newest_for_tick_, command.for_tick);
+  if (waiting_count_ == static_cast<int>(waiting_.size())) {
+    std::move(waiting_.begin() + 1, waiting_.end(), waiting_.begin());
+    --waiting_count_;
+  }
+  waiting_[waiting_count_++] = command;
+  return true;
+}
+
+const command_t* CommandGate::acting(std::int64_t tick) noexcept {
+  int due = 0;
+  while (due < waiting_count_ && waiting_[due].for_tick + delay_ <= tick) ++due;
+  if (due > 0) {
+    acting_ = waiting_[due - 1];
+    has_acting_ = true;
+    std::move(waiting_.begin() + due, waiting_.begin() + waiting_count_, waiting_.begin());
+    waiting_count_ -= due;
+  }
+  if (!has_acting_) return nullptr;
+  const std::int64_t age = tick - delay_ - acting_.for_tick;
+  return age < acting_.valid_ticks ? &acting_ : nullptr;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,133 @@
+#include "services/runtime/datagram.hpp"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+namespace {
+
+constexpr std::uint32_t kShortMagic = 0x4c433032;     // "LC02"
+constexpr std::uint32_t kFragmentMagic = 0x4c433033;  // "LC03"
+constexpr std::size_t kPrologue = 8;                  // magic and packet number
+
+// In a payload: the fingerprint, then header_t. tests/protocol holds these to the generated code.
+constexpr std::size_t kRigIdAt = 8;
+constexpr std::size_t kEpochAt = 16;
+constexpr std::size_t kSequenceAt = 24;
+
+template <class Unsigned>
+Unsigned read_big_endian(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
+  Unsigned value = 0;
+  for (std::size_t i = 0; i < sizeof value; ++i) {
+    value = static_cast<Unsigned>(value << 8) | bytes[at + i];
+  }
+  return value;
+}
+
+template <class Unsigned>
+void write_big_endian(Unsigned value, std::uint8_t* to) noexcept {
+  for (std::size_t i = sizeof value; i-- > 0; value >>= 8) to[i] = static_cast<std::uint8_t>(value);
+}
+
+/// BLAKE2b-256, keyed.
+void hash(std::uint8_t* mac, std::span<const std::uint8_t> bytes, const Key& key) noexcept {
+  crypto_generichash(mac, kMacSize, bytes.data(), bytes.size(), key.data(), key.size());
+}
+
+void check_prefix(const std::string& prefix) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/";
+  const auto longest =
+      std::ranges::max(kChannels, {}, [](const auto& s) { return s.suffix.size(); });
+  const std::size_t room = kMaxChannelName - 1 - longest.suffix.size();
+  if (prefix.empty() || prefix.size() > room ||
+      prefix.find_first_not_of(alphabet) != std::string::npos) {
+    throw Error("network.prefix is `" + prefix + "`; expected 1 to " + std::to_string(room) +
+                " characters of [A-Z0-9_/], e.g. \"PROTOTYPE_B\"");
+  }
+}
+
+}  // namespace
+
+DatagramFormat::DatagramFormat(const std::string& prefix, std::int32_t rig_id,
+                               const std::optional<Key>& key)
+    : rig_id_(rig_id), key_(key) {
+  if (sodium_init() < 0) throw Error("libsodium does not start: no source of randomness");
+  check_prefix(prefix);
+  for (const ChannelSpec& row : kChannels) {
+    names_[static_cast<std::size_t>(row.channel)] = prefix + "/" + std::string(row.suffix);
+  }
+  const std::array fingerprints{state_t::getHash(), command_t::getHash(), request_t::getHash(),
+                                reply_t::getHash(), truth_t::getHash(),   status_t::getHash(),
+                                status_t::getHash()};
+  static_assert(fingerprints.size() == kChannels.size());
+  std::ranges::copy(fingerprints, fingerprints_.begin());
+}
+
+Parsed DatagramFormat::parse(std::span<const std::uint8_t> datagram) const noexcept {
+  if (datagram.size() < kPrologue) return {Verdict::kMalformed};
+  const auto magic = read_big_endian<std::uint32_t>(datagram, 0);
+  if (magic == kFragmentMagic) return {Verdict::kForeign};
+  if (magic != kShortMagic) return {Verdict::kMalformed};
+
+  // The name ends with a NUL, and liblcm knows none longer than 63 characters.
+  const auto rest = datagram.subspan(kPrologue);
+  const auto name_end = std::find(rest.begin(), rest.end(), std::uint8_t{0});
+  const auto name_size = static_cast<std::size_t>(name_end - rest.begin());
+  if (name_end == rest.end() || name_size == 0 || name_size > kMaxChannelName) {
+    return {Verdict::kMalformed};
+  }
+  const auto name = std::ranges::find_if(names_, [&](const std::string& known) {
+    return known.size() == name_size && std::memcmp(known.data(), rest.data(), name_size) == 0;
+  });
+  if (name == names_.end()) return {Verdict::kForeign};
+
+  // From here on it claims to be ours: the right type in every byte that says so.
+  const auto index = static_cast<std::size_t>(name - names_.begin());
+  const auto payload = rest.subspan(name_size + 1);
+  if (payload.size() != kChannels[index].size) return {Verdict::kMalformed};
+  if (read_big_endian<std::uint64_t>(payload, 0) != fingerprints_[index]) {
+    return {Verdict::kMalformed};
+  }
+  if (static_cast<std::int32_t>(read_big_endian<std::uint32_t>(payload, kRigIdAt)) != rig_id_) {
+    return {Verdict::kOtherRig};
+  }
+  const auto epoch = static_cast<std::int64_t>(read_big_endian<std::uint64_t>(payload, kEpochAt));
+  const auto sequence =
+      static_cast<std::int64_t>(read_big_endian<std::uint64_t>(payload, kSequenceAt));
+  if (epoch < 0 || sequence < 0) return {Verdict::kMalformed};
+  if (!authentic(datagram)) return {Verdict::kUnauthentic};
+  return {Verdict::kGood, kChannels[index].channel, epoch, sequence, payload};
+}
+
+std::size_t DatagramFormat::begin(Frame& frame, Channel channel,
+                                  std::uint32_t packet_number) const noexcept {
+  const std::string& name = names_[static_cast<std::size_t>(channel)];
+  write_big_endian(kShortMagic, frame.data());
+  write_big_endian(packet_number, frame.data() + 4);
+  std::memcpy(frame.data() + kPrologue, name.c_str(), name.size() + 1);
+  return kPrologue + name.size() + 1;
+}
+
+void DatagramFormat::sign(Frame& frame, std::size_t size) const noexcept {
+  std::uint8_t* mac = frame.data() + size - kMacSize;
+  if (key_) {
+    hash(mac, {frame.data() + kPrologue, mac}, *key_);
+  } else {
+    std::fill_n(mac, kMacSize, std::uint8_t{0});
+  }
+}
+
+bool DatagramFormat::authentic(std::span<const std::uint8_t> datagram) const noexcept {
+  if (!key_) return true;
+  const auto mac = datagram.last<kMacSize>();
+  std::array<std::uint8_t, kMacSize> expected;
+  hash(expected.data(), datagram.subspan(kPrologue, datagram.size() - kPrologue - kMacSize), *key_);
+  return sodium_memcmp(expected.data(), mac.data(), kMacSize) == 0;
+}
+
+}  // namespace gyrotwin

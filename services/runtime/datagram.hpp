@@ -1,0 +1,58 @@
+// One datagram: how it is laid out, checked and signed. No socket and no clock, so that tests and a
+// fuzzer can drive it. Rules and reasons: messages/README.md.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "messages/channels.hpp"
+#include "services/runtime/key.hpp"
+
+namespace gyrotwin {
+
+/// What a datagram turned out to be; all but kGood name the counter it falls into.
+enum class Verdict : std::uint8_t { kGood, kMalformed, kForeign, kOtherRig, kUnauthentic };
+
+/// A datagram taken apart. The rest means something only when the verdict is kGood.
+struct Parsed {
+  Verdict verdict;
+  Channel channel{};
+  std::int64_t epoch = 0;
+  std::int64_t sequence = 0;
+  std::span<const std::uint8_t> payload{};  ///< fingerprint first, signature last
+};
+
+/// Room for one datagram.
+using Frame = std::array<std::uint8_t, kMaxDatagram>;
+
+/// LCM's short message as one rig writes it:
+/// `LC02` | packet number, 32 bits big endian | channel name | NUL | payload.
+class DatagramFormat {
+ public:
+  /// @throws Error unless `<prefix>/...` is made of `[A-Z0-9_/]` and has at most 63 characters
+  DatagramFormat(const std::string& prefix, std::int32_t rig_id, const std::optional<Key>& key);
+
+  /// Judges a datagram. Takes any bytes; those beyond kMaxDatagram + 1 change nothing.
+  Parsed parse(std::span<const std::uint8_t> datagram) const noexcept;
+
+  /// Writes all that stands before the payload. @return where the payload begins.
+  std::size_t begin(Frame& frame, Channel channel, std::uint32_t packet_number) const noexcept;
+
+  /// Writes the signature into the last 32 of `size` bytes: of all from the channel's name on, or
+  /// zeros when there is no key.
+  void sign(Frame& frame, std::size_t size) const noexcept;
+
+ private:
+  bool authentic(std::span<const std::uint8_t> datagram) const noexcept;
+
+  std::array<std::string, kChannels.size()> names_;
+  std::array<std::uint64_t, kChannels.size()> fingerprints_;
+  std::int32_t rig_id_;
+  std::optional<Key> key_;
+};
+
+}  // namespace gyrotwin

@@ -1,0 +1,112 @@
+// The modes of a plant's owner, and every way from one to another.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "messages/channels.hpp"
+
+namespace gyrotwin {
+
+/// Numbers as on the wire.
+enum class Mode : std::uint8_t {
+  kHeld = status_t::MODE_HELD,           ///< plant held at its initial state, drives off
+  kRunning = status_t::MODE_RUNNING,     ///< physics runs, commands are obeyed
+  kPaused = status_t::MODE_PAUSED,       ///< simulation only: time stands still
+  kSafeStop = status_t::MODE_SAFE_STOP,  ///< physics runs, drives do what the rig file says
+  kFallen =
+      status_t::MODE_FALLEN,      ///< physics runs on beyond the tilt limit, drives as in SAFE_STOP
+  kFault = status_t::MODE_FAULT,  ///< the state is not to be trusted: nothing runs
+};
+
+enum class Event : std::uint8_t {
+  kArm,
+  kDisarm,
+  kPause,
+  kResume,
+  kStep,
+  kStepsDone,
+  kReset,  // asked for
+  kCommandLost,
+  kConflict,
+  kNoController,
+  kControllerBack,  // noticed on the bus
+  kTiltLimit,
+  kNotFinite,
+  kOverrun,  // noticed in the plant and the loop
+};
+
+struct Transition {
+  Mode from;
+  Event event;
+  Mode to;
+  std::string_view when;
+};
+
+inline constexpr std::array kTransitions{
+    Transition{Mode::kHeld, Event::kArm, Mode::kRunning, "arm"},
+    Transition{Mode::kHeld, Event::kReset, Mode::kHeld, "reset"},
+    Transition{Mode::kRunning, Event::kPause, Mode::kPaused, "pause"},
+    Transition{Mode::kRunning, Event::kStepsDone, Mode::kPaused, "the ticks of step are done"},
+    Transition{Mode::kRunning, Event::kNoController, Mode::kPaused,
+               "lockstep: no command for this tick within 2 s"},
+    Transition{Mode::kRunning, Event::kDisarm, Mode::kSafeStop, "disarm"},
+    Transition{Mode::kRunning, Event::kCommandLost, Mode::kSafeStop,
+               "no valid command for safety.command_timeout_ticks"},
+    Transition{Mode::kRunning, Event::kConflict, Mode::kSafeStop,
+               "another owner speaks for the rig"},
+    Transition{Mode::kRunning, Event::kOverrun, Mode::kSafeStop,
+               "a tick overran and loop.overrun is stop"},
+    Transition{Mode::kRunning, Event::kTiltLimit, Mode::kFallen,
+               "tilt beyond safety.fall_tilt_rad"},
+    Transition{Mode::kRunning, Event::kNotFinite, Mode::kFault,
+               "solver failed or state not finite"},
+    Transition{Mode::kRunning, Event::kReset, Mode::kHeld, "reset"},
+    Transition{Mode::kPaused, Event::kResume, Mode::kRunning, "resume"},
+    Transition{Mode::kPaused, Event::kStep, Mode::kRunning, "step: that many ticks"},
+    Transition{Mode::kPaused, Event::kControllerBack, Mode::kRunning,
+               "lockstep: the command it waited for"},
+    Transition{Mode::kPaused, Event::kDisarm, Mode::kSafeStop, "disarm"},
+    Transition{Mode::kPaused, Event::kConflict, Mode::kSafeStop,
+               "another owner speaks for the rig"},
+    Transition{Mode::kPaused, Event::kReset, Mode::kHeld, "reset"},
+    Transition{Mode::kSafeStop, Event::kTiltLimit, Mode::kFallen,
+               "tilt beyond safety.fall_tilt_rad"},
+    Transition{Mode::kSafeStop, Event::kNotFinite, Mode::kFault,
+               "solver failed or state not finite"},
+    Transition{Mode::kSafeStop, Event::kReset, Mode::kHeld, "reset"},
+    Transition{Mode::kFallen, Event::kNotFinite, Mode::kFault, "solver failed or state not finite"},
+    Transition{Mode::kFallen, Event::kReset, Mode::kHeld, "reset"},
+    Transition{Mode::kFault, Event::kReset, Mode::kHeld, "reset"},
+};
+
+/// Where an event leads from a mode; empty: the event has no meaning there.
+constexpr std::optional<Mode> next(Mode from, Event event) {
+  for (const Transition& t : kTransitions) {
+    if (t.from == from && t.event == event) return t.to;
+  }
+  return std::nullopt;
+}
+
+constexpr std::string_view name_of(Mode mode) {
+  constexpr std::array<std::string_view, 6> kNames{"HELD",      "RUNNING", "PAUSED",
+                                                   "SAFE_STOP", "FALLEN",  "FAULT"};
+  return kNames[static_cast<std::size_t>(mode)];
+}
+
+/// Name of a status_t.MODE_*, owners' and listeners'.
+constexpr std::string_view mode_name(std::int32_t mode) {
+  if (mode == status_t::MODE_WAITING) return "WAITING";
+  if (mode == status_t::MODE_ACTIVE) return "ACTIVE";
+  if (mode < status_t::MODE_HELD || mode > status_t::MODE_FAULT) return "unknown";
+  return name_of(static_cast<Mode>(mode));
+}
+
+/// Whether the plant's time goes on.
+constexpr bool ticks(Mode mode) {
+  return mode == Mode::kRunning || mode == Mode::kSafeStop || mode == Mode::kFallen;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,198 @@
+#include "services/runtime/multicast.hpp"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+namespace {
+
+/// What is asked for, and what is enough [bytes, as the kernel counts them: about 1 kB for a STATE,
+/// 2.3 kB for a STATUS]: a daemon that is held up for 50 ms loses nothing.
+constexpr int kReceiveBuffer = 4 << 20;
+constexpr int kSmallestReceiveBuffer = 256 << 10;
+
+constexpr int kProofTimeoutMs = 1000;
+
+std::string reason() { return std::strerror(errno); }
+
+template <class Value>
+void set_option(const Descriptor& socket, int level, int option, const Value& value,
+                const std::string& what) {
+  if (setsockopt(socket.get(), level, option, &value, sizeof value) != 0) {
+    throw Error(what + ": " + reason());
+  }
+}
+
+const sockaddr* generic(const sockaddr_in& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+sockaddr_in name_of_socket(const Descriptor& socket) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &size);
+  return address;
+}
+
+Descriptor open_socket() {
+  Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket.valid()) throw Error("no UDP socket: " + reason());
+  return socket;
+}
+
+sockaddr_in group_address(const std::string& group, int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1 ||
+      !IN_MULTICAST(ntohl(address.sin_addr.s_addr))) {
+    throw Error("network.group is `" + group +
+                "`; expected an IPv4 multicast group, e.g. \"239.255.76.67\"");
+  }
+  if (port < 1 || port > 65535) {
+    throw Error("network.port is " + std::to_string(port) + "; expected 1 to 65535");
+  }
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  return address;
+}
+
+/// Index and first IPv4 address of an interface that is up.
+ip_mreqn find_interface(const std::string& name) {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) throw Error("the network interfaces cannot be listed: " + reason());
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
+
+  std::string existing;
+  std::optional<unsigned> flags;
+  std::optional<in_addr> address;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    // Every interface has one packet entry, whatever addresses it has.
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family == AF_PACKET) {
+      existing += (existing.empty() ? "" : ", ") + std::string(entry->ifa_name);
+    }
+    if (name != entry->ifa_name) continue;
+    flags = entry->ifa_flags;
+    if (!address && entry->ifa_addr != nullptr && entry->ifa_addr->sa_family == AF_INET) {
+      address = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr)->sin_addr;
+    }
+  }
+
+  const std::string found = "network.interface is `" + name + "`, ";
+  if (!flags) {
+    throw Error(found + "which does not exist; this host has: " + existing +
+                ". Change network.interface in the rig file (`lo` stays on this host)");
+  }
+  if ((*flags & IFF_UP) == 0) {
+    throw Error(found + "which is down: `ip link set " + name +
+                " up`, or change network.interface in the rig file; this host has: " + existing);
+  }
+  if (!address) {
+    throw Error(found + "which has no IPv4 address: `ip address add ADDRESS/24 dev " + name +
+                "`, or change network.interface in the rig file; this host has: " + existing);
+  }
+  return {.imr_multiaddr = {},
+          .imr_address = *address,
+          .imr_ifindex = static_cast<int>(if_nametoindex(name.c_str()))};
+}
+
+void grow_receive_buffer(const Descriptor& socket) {
+  set_option(socket, SOL_SOCKET, SO_RCVBUF, kReceiveBuffer, "SO_RCVBUF");
+  int granted = 0;
+  socklen_t size = sizeof granted;
+  getsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &granted, &size);
+  if (granted < kSmallestReceiveBuffer) {
+    throw Error("the kernel grants a receive buffer of " + std::to_string(granted) +
+                " bytes; at least " + std::to_string(kSmallestReceiveBuffer) +
+                " are needed: `sysctl -w net.core.rmem_max=" + std::to_string(kReceiveBuffer) +
+                "`");
+  }
+}
+
+/// Hears exactly the group, from exactly that interface.
+Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface) {
+  Descriptor socket = open_socket();
+  // With SO_REUSEPORT instead, neither liblcm nor a second daemon could open the same port.
+  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
+  // Bound to the group, unicast does not reach it; by default it would hear groups others joined.
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL");
+  set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL");
+  grow_receive_buffer(socket);
+
+  const std::string port = std::to_string(ntohs(group.sin_port));
+  if (bind(socket.get(), generic(group), sizeof group) != 0) {
+    throw Error("UDP port " + port + " cannot be opened: " + reason() + "; `ss -ulpn 'sport = :" +
+                port + "'` names who has it: stop that, or change network.port in the rig file");
+  }
+  ip_mreqn membership = interface;
+  membership.imr_multiaddr = group.sin_addr;
+  set_option(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership,
+             "network.interface does not join network.group");
+  return socket;
+}
+
+/// Speaks from the interface's own address and a port of its own.
+Descriptor open_sender(const ip_mreqn& interface, int ttl) {
+  if (ttl < 0 || ttl > 255) {
+    throw Error("network.ttl is " + std::to_string(ttl) +
+                "; expected 0 (this host only) or 1 (this subnet), 255 at most");
+  }
+  Descriptor socket = open_socket();
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, interface, "IP_MULTICAST_IF");
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, ttl, "IP_MULTICAST_TTL");
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP");
+
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr = interface.imr_address;
+  if (bind(socket.get(), generic(address), sizeof address) != 0) {
+    throw Error("no UDP port to send from: " + reason());
+  }
+  return socket;
+}
+
+/// What a firewall or a lost route would silence must fail now. The port is nobody else's, so that
+/// no running program hears this.
+void prove(const Descriptor& sender, sockaddr_in group, const ip_mreqn& interface) {
+  group.sin_port = 0;
+  const Descriptor receiver = open_receiver(group, interface);
+  group.sin_port = name_of_socket(receiver).sin_port;
+
+  constexpr char probe = 0;
+  const std::string fix =
+      "; look at `nft list ruleset` and `ip route`, or change network.interface in the rig file";
+  if (sendto(sender.get(), &probe, 1, 0, generic(group), sizeof group) != 1) {
+    throw Error("network.interface takes no multicast datagram: " + reason() + fix);
+  }
+  pollfd ready{.fd = receiver.get(), .events = POLLIN, .revents = 0};
+  if (poll(&ready, 1, kProofTimeoutMs) != 1) {
+    throw Error("a datagram to network.group does not come back on network.interface" + fix);
+  }
+}
+
+}  // namespace
+
+MulticastSockets open_multicast(const std::string& group, int port, const std::string& interface,
+                                int ttl) {
+  const sockaddr_in address = group_address(group, port);
+  const ip_mreqn device = find_interface(interface);
+  MulticastSockets sockets{.receiver = open_receiver(address, device),
+                           .sender = open_sender(device, ttl),
+                           .own_address = {}};
+  prove(sockets.sender, address, device);
+  if (connect(sockets.sender.get(), generic(address), sizeof address) != 0) {
+    throw Error("network.group cannot be reached through network.interface: " + reason());
+  }
+  sockets.own_address = name_of_socket(sockets.sender);
+  return sockets;
+}
+
+}  // namespace gyrotwin

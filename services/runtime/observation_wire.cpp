@@ -1,0 +1,61 @@
+#include "services/runtime/observation_wire.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace gyrotwin {
+
+namespace {
+
+template <std::size_t N>
+void copy(const std::array<double, N>& from, double (&to)[N], bool valid) {
+  for (std::size_t i = 0; i < N; ++i) to[i] = valid ? from[i] : 0.0;
+}
+
+template <std::size_t N>
+void copy(const double (&from)[N], std::array<double, N>& to) {
+  std::copy(std::begin(from), std::end(from), to.begin());
+}
+
+}  // namespace
+
+std::int32_t valid_groups(const model::Machine& machine) noexcept {
+  const bool has_disc = machine.layout.disc != model::kFixed;
+  std::int32_t valid = 0;
+  valid |= state_t::VALID_TILT;
+  valid |= has_disc ? state_t::VALID_DISC : 0;
+  valid |= has_disc ? state_t::VALID_DISC_TILT : 0;
+  valid |= state_t::VALID_GIMBALS;
+  valid |= state_t::VALID_ROTORS;
+  valid |= state_t::VALID_DRIVES;
+  return valid;
+}
+
+void to_wire(const model::Observation& seen, std::int32_t valid, state_t& state) noexcept {
+  state.valid = valid;
+  copy(seen.tilt, state.tilt_rad, valid & state_t::VALID_TILT);
+  copy(seen.tilt_rate, state.tilt_rate_rad_s, valid & state_t::VALID_TILT);
+  copy(seen.disc_tilt, state.disc_tilt_rad, valid & state_t::VALID_DISC_TILT);
+  copy(seen.disc_tilt_rate, state.disc_tilt_rate_rad_s, valid & state_t::VALID_DISC_TILT);
+  state.disc_angle_rad = valid & state_t::VALID_DISC ? seen.disc_angle : 0.0;
+  state.disc_rate_rad_s = valid & state_t::VALID_DISC ? seen.disc_rate : 0.0;
+  copy(seen.gimbal_angle, state.gimbal_angle_rad, valid & state_t::VALID_GIMBALS);
+  copy(seen.gimbal_rate, state.gimbal_rate_rad_s, valid & state_t::VALID_GIMBALS);
+  copy(seen.rotor_speed, state.rotor_speed_rad_s, valid & state_t::VALID_ROTORS);
+}
+
+model::Observation from_wire(const state_t& state) noexcept {
+  model::Observation seen;
+  copy(state.tilt_rad, seen.tilt);
+  copy(state.tilt_rate_rad_s, seen.tilt_rate);
+  copy(state.disc_tilt_rad, seen.disc_tilt);
+  copy(state.disc_tilt_rate_rad_s, seen.disc_tilt_rate);
+  seen.disc_angle = state.disc_angle_rad;
+  seen.disc_rate = state.disc_rate_rad_s;
+  copy(state.gimbal_angle_rad, seen.gimbal_angle);
+  copy(state.gimbal_rate_rad_s, seen.gimbal_rate);
+  copy(state.rotor_speed_rad_s, seen.rotor_speed);
+  return seen;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,18 @@
+// The platform's state between the model's words and the wire's.
+#pragma once
+
+#include <cstdint>
+
+#include "messages/channels.hpp"
+#include "services/model/machine.hpp"
+
+namespace gyrotwin {
+
+/// VALID_* bits of what a machine of this layout can show.
+std::int32_t valid_groups(const model::Machine& machine) noexcept;
+
+/// Writes the groups that the machine has, zeros into the others.
+void to_wire(const model::Observation& seen, std::int32_t valid, state_t& state) noexcept;
+model::Observation from_wire(const state_t& state) noexcept;
+
+}  // namespace gyrotwin

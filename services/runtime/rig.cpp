@@ -1,0 +1,120 @@
+#include "services/runtime/rig.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include "services/runtime/error.hpp"
+#include "services/runtime/rig_reader.hpp"
+#include "services/runtime/spelling.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string shipped_list(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+fs::path find_rig(const std::string& name_or_path) {
+  if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml")) {
+    return name_or_path;
+  }
+  const std::vector<std::string> names = shipped_rigs();
+  if (std::find(names.begin(), names.end(), name_or_path) == names.end()) {
+    const std::vector<std::string_view> candidates(names.begin(), names.end());
+    throw Error("no shipped rig is called `" + name_or_path + "`: there are " +
+                shipped_list(names) +
+                " (a file of your own is given by its path, with a / or "
+                "ending in .toml)" +
+                did_you_mean(nearest(name_or_path, candidates)));
+  }
+  return rig_folder() / (name_or_path + ".toml");
+}
+
+std::string read_text(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  std::error_code none;
+  if (stream && fs::is_regular_file(file, none)) return text.str();
+  throw Error(file.string() + ": error: " +
+              (fs::exists(file, none) ? "cannot be read; it is to be a TOML file you may read"
+                                      : "no such file; shipped rigs, given by bare name: " +
+                                            shipped_list(shipped_rigs())));
+}
+
+struct Loaded {
+  Rig rig;
+  std::string effective;
+};
+
+Loaded load(const std::string& name_or_path, const std::vector<std::string>& overrides) {
+  const fs::path file = find_rig(name_or_path);
+  TomlReader reader(read_text(file), file.string(), overrides);
+  Rig rig = read_rig(reader);
+  reader.finish();
+  rig.file = file;
+  return {std::move(rig), reader.effective()};
+}
+
+}  // namespace
+
+model::Machine Rig::build_machine() const {
+  return std::visit([](const auto& parameters) { return model::build(parameters); }, machine);
+}
+
+Rig load_rig(const std::string& name_or_path, const std::vector<std::string>& overrides) {
+  return load(name_or_path, overrides).rig;
+}
+
+std::string print_rig(const std::string& name_or_path, const std::vector<std::string>& overrides) {
+  const Loaded loaded = load(name_or_path, overrides);
+  return "# " + loaded.rig.file.string() + ", defaults and overrides included\n" + loaded.effective;
+}
+
+std::filesystem::path rig_folder() {
+  if (const char* named = std::getenv("GYROTWIN_RIGS"); named && *named) {
+    if (fs::is_directory(named)) return named;
+    throw Error("GYROTWIN_RIGS names `" + std::string(named) +
+                "`, which is no folder; correct it, or unset it to use the shipped rigs");
+  }
+  std::error_code none;
+  const fs::path program = fs::read_symlink("/proc/self/exe", none);
+  const fs::path installed = program.parent_path().parent_path() / "share/gyrotwin/rigs";
+  if (fs::is_directory(installed, none)) return installed;
+  const fs::path in_source_tree = GYROTWIN_SOURCE_RIGS;
+  if (fs::is_directory(in_source_tree, none)) return in_source_tree;
+  throw Error("no folder of shipped rigs: looked for " + installed.string() + " and " +
+              in_source_tree.string() + "; set GYROTWIN_RIGS to the folder with the rig files");
+}
+
+std::vector<std::string> shipped_rigs() {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(rig_folder())) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string_view name_of(LawKind law) {
+  const auto* word = std::find_if(kLawWords.begin(), kLawWords.end(),
+                                  [&](const auto& candidate) { return candidate.value == law; });
+  return word->name;
+}
+
+std::optional<LawKind> law_named(std::string_view name) {
+  for (const auto& word : kLawWords) {
+    if (word.name == name) return word.value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace gyrotwin

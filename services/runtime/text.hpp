@@ -1,0 +1,36 @@
+// ASCII text in a message's fixed byte field.
+#pragma once
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace gyrotwin {
+
+/// Formats into the field, cut to fit, padded with NULs; the last byte stays NUL. Does not allocate
+/// for numbers and strings.
+template <std::size_t N, class... Args>
+void set_text(std::uint8_t (&field)[N], fmt::format_string<Args...> format,
+              Args&&... args) noexcept {
+  std::fill(std::begin(field), std::end(field), std::uint8_t{0});
+  try {
+    fmt::format_to_n(field, N - 1, format, std::forward<Args>(args)...);
+  } catch (...) {
+    field[0] = 0;  // an empty text is better than a dead tick thread
+  }
+}
+
+/// The text up to its first NUL, other control characters and non-ASCII shown as '?'.
+template <std::size_t N>
+std::string get_text(const std::uint8_t (&field)[N]) {
+  std::string text(field, std::find(field, field + N, 0));
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text;
+}
+
+}  // namespace gyrotwin

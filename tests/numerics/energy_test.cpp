@@ -1,0 +1,215 @@
+// Energy: kept without friction, lost through it, and moved by nothing but the powers that act.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "services/model/contact.hpp"
+#include "tests/support/random_machine.hpp"
+#include "tests/support/reference_data.hpp"
+#include "tests/support/simulate.hpp"
+
+namespace gyrotwin {
+namespace {
+
+using Eigen::Vector3d;
+using model::Coordinates;
+using model::Input;
+using model::Machine;
+using model::Motion;
+using model::Mount;
+using model::State;
+using model::TrackKind;
+using reference::Random;
+
+constexpr Mount kMounts[] = {Mount::kLevel, Mount::kRigid, Mount::kUniversalJoint};
+
+double energy(const Machine& machine, const State& state) {
+  const model::Truth truth = machine.truth(state, {});
+  return truth.kinetic_energy + truth.potential_energy;
+}
+
+/// Largest change of the energy over 10 s, relative to the kinetic energy at the start.
+double drift(const Machine& machine, const State& start) {
+  const double E0 = energy(machine, start);
+  const double T0 = machine.truth(start, {}).kinetic_energy;
+  double worst = 0.0;
+  reference::simulate(machine, start, 10.0, reference::no_input, {1e-13, 1e-13},
+                      [&](double /*t*/, const State& state) {
+                        worst = std::max(worst, std::abs(energy(machine, state) - E0));
+                        return true;
+                      });
+  return worst / T0;
+}
+
+Machine free_umbrella(const std::string& set, Mount mount, double gravity) {
+  auto p = reference::frictionless(reference::umbrella(set));
+  p.mount = mount;
+  p.track = TrackKind::kNone;
+  p.gyros.stop_lower = -10.0;  // a stop's damping takes energy
+  p.gyros.stop_upper = 10.0;
+  Machine machine = model::build(p);
+  machine.gravity = gravity;
+  return machine;
+}
+
+/// Upward gravity is a machine that hangs: it swings without end and stays away from |thy| = 90
+/// deg.
+TEST(Energy, UmbrellaKeepsItHanging) {
+  for (const Mount mount : kMounts) {
+    const Machine machine = free_umbrella("prototype_b", mount, -model::kGravity);
+    const State start =
+        mount == Mount::kUniversalJoint
+            ? machine.state({0.3, -0.2, 0.1, 0.2, 0.1, 0.2}, {0.5, 0.4, 0.2, 0.3, -3.0, 0.3})
+            : machine.state({0.3, -0.2, 0.1, 0.2}, {0.5, 0.4, -3.0, 0.3});
+    EXPECT_LT(drift(machine, start), 1e-10);  // measured 7.9e-12
+  }
+}
+
+TEST(Energy, UmbrellaKeepsItWeightless) {
+  for (const Mount mount : kMounts) {
+    const Machine machine = free_umbrella("townsend", mount, 0.0);
+    const State start =
+        mount == Mount::kUniversalJoint
+            ? machine.state({0.1, -0.1, 0.1, 0.1, 0.1, 0.2}, {0.05, 0.02, 0.1, 0.1, -1.0, 0.3})
+            : machine.state({0.1, -0.1, 0.1, 0.2}, {0.05, 0.02, -1.0, 0.3});
+    EXPECT_LT(drift(machine, start), 1e-10);  // measured 8.1e-12
+  }
+}
+
+TEST(Energy, GimballedKeepsItHanging) {
+  for (const char* set : {"brennan_monorail", "gyrocar", "double_brennan"}) {
+    auto p = reference::frictionless(reference::gimballed(set));
+    p.gyros.stop = 10.0;
+    Machine machine = model::build(p);
+    machine.gravity = -model::kGravity;
+    const State start = machine.coordinates() == 4
+                            ? machine.state({0.2, -0.1, 0.1, 0.2}, {0.1, 0.2, 0.3, -0.2})
+                            : machine.state({0.2, 0.1}, {0.1, 0.3});
+    EXPECT_LT(drift(machine, start), 1e-10);  // measured 2.2e-11
+  }
+}
+
+/// The sleeping preset on its soft lossy ring with the drive off: contact, stops and friction take
+/// energy and nothing gives any.
+TEST(Energy, ContactAndFrictionOnlyTakeIt) {
+  auto p = reference::umbrella("prototype_b_sleeping");
+  p.mount = Mount::kUniversalJoint;
+  const Machine machine = model::build(p);
+  const State start = machine.state({0.03, -0.01, 0.03, -0.01, 0.0, p.gyros.ring_elevation},
+                                    {0.0, 0.0, 0.0, 0.0, -5.0, 0.0});
+  double before = energy(machine, start);
+  const double first = before;
+  double largest_gain = 0.0;
+  reference::simulate(machine, start, 3.0, reference::no_input, {1e-11, 1e-12},
+                      [&](double /*t*/, const State& state) {
+                        const double now = energy(machine, state);
+                        largest_gain = std::max(largest_gain, now - before);
+                        before = now;
+                        return machine.tilt(state) < 0.7;
+                      });
+  EXPECT_LT(largest_gain, 1e-10);  // [J], measured 0
+  EXPECT_GT(first - before, 2.0);  // [J], measured 3.0
+}
+
+/// dE/dt by differences along the motion.
+double energy_rate(const Machine& machine, const State& state, const Coordinates& a) {
+  const double h = 1e-5;  // short: a tip may just touch
+  const auto at = [&](double t) {
+    return energy(machine, {state.q + t * state.v, state.v + t * a, state.rotor_speed});
+  };
+  return (8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h);
+}
+
+/// Powers of everything that is not in the energy [W].
+std::vector<double> powers(const Machine& machine, const State& state, const Input& input) {
+  Motion motion;
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed, machine.gravity, motion);
+  const auto& S = motion.frame[0];
+  const Vector3d arm = S.R * machine.push_point;
+  std::vector<double> P{input.force.dot(S.v + S.omega.cross(arm)), input.moment.dot(S.omega)};
+  for (int i = 0; i < machine.coordinates(); ++i) {
+    P.push_back(-machine.damping[i] * state.v[i] * state.v[i]);
+  }
+  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
+    P.push_back(input.drive[i] * machine.drive_rate(static_cast<int>(i), state));
+  }
+  if (machine.disc_body == model::kFixed) return P;
+
+  const auto& D = motion.frame[machine.disc_body];
+  const Vector3d z_D = D.R.col(2), z_S = S.R.col(2);
+  const Vector3d w = D.omega - S.omega;
+  const double spin = w.dot(z_D);
+  P.push_back(-machine.disc_friction.viscous * spin * spin);
+  P.push_back(-machine.disc_friction.coulomb * std::tanh(spin / 0.05) * spin);
+
+  // Tilt rates as the structure and as the spinning disc see them.
+  const Vector3d ad = w - spin * z_D;
+  const Vector3d e = ad - spin * z_D.cross(z_S.cross(z_D));
+  P.push_back(-machine.bushing.rotating_damping * e.squaredNorm());
+  P.push_back(-machine.bushing.standing_damping * ad.squaredNorm());
+
+  // Contact: what the normal force takes beyond the spring, and the rolling drag.
+  if (!machine.track) return P;
+  const model::Track& track = *machine.track;
+  for (int b = 2; b < static_cast<int>(machine.tree.bodies().size()); ++b) {
+    const model::TipMotion tip = model::tip_motion(track, motion, b);
+    const Vector3d v_t = tip.v_rel - z_S.dot(tip.v_rel) * z_S;
+    for (const auto& in : {model::lower_indentation(track, motion, tip),
+                           model::upper_indentation(track, motion, tip)}) {
+      if (in.depth <= 0.0) continue;
+      const double force = model::normal_force(track, in);
+      P.push_back(-(force - track.stiffness * std::pow(in.depth, 1.5)) * in.rate);
+      P.push_back(-track.rolling_drag * force * v_t.squaredNorm() /
+                  std::sqrt(v_t.squaredNorm() + 1e-4));
+    }
+  }
+  return P;
+}
+
+double imbalance(Random& random, const Machine& machine, double angle, double rate) {
+  const State state = random.state(machine, angle, rate);
+  Input input;
+  input.mode = model::DriveMode::kIdealTorque;
+  for (double& drive : input.drive) drive = random.between(-5, 5);
+  input.force = random.vector(5.0);
+  input.moment = random.vector(5.0);
+  double sum = 0.0, scale = 0.0;
+  for (double P : powers(machine, state, input)) {
+    sum += P;
+    scale += std::abs(P);
+  }
+  const double dE_dt = energy_rate(machine, state, machine.acceleration(state, input));
+  return std::abs(dE_dt - sum) / scale;
+}
+
+TEST(Energy, RateIsTheSumOfPowersInUmbrellas) {
+  Random random(1);
+  double worst = 0.0;
+  for (const Mount mount : kMounts) {
+    for (int i = 0; i < 200; ++i) {
+      auto p = random.umbrella();
+      p.mount = mount;
+      p.track = TrackKind::kSlot;
+      p.bushing = mount == Mount::kUniversalJoint ? p.bushing : model::TiltBushing{};
+      worst = std::max(worst, imbalance(random, model::build(p), 0.3, 2.0));
+    }
+  }
+  EXPECT_LT(worst, 1e-7);  // measured 2.2e-9, of the differences
+}
+
+TEST(Energy, RateIsTheSumOfPowersInGimballedMachines) {
+  Random random(2);
+  double worst = 0.0;
+  for (const auto arrangement :
+       {model::Arrangement::kSingle, model::Arrangement::kPair, model::Arrangement::kTwoPairs}) {
+    for (int i = 0; i < 200; ++i) {
+      const Machine machine = model::build(random.gimballed(arrangement));
+      worst = std::max(worst, imbalance(random, machine, 0.5, 2.0));
+    }
+  }
+  EXPECT_LT(worst, 1e-7);  // measured 6.4e-9, of the differences
+}
+
+}  // namespace
+}  // namespace gyrotwin

@@ -1,0 +1,212 @@
+// Momenta: what nothing acts on stays, and what the supports supply is what is missing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/random_machine.hpp"
+#include "tests/support/reference_data.hpp"
+#include "tests/support/simulate.hpp"
+
+namespace gyrotwin {
+namespace {
+
+using Eigen::Vector3d;
+using model::Coordinates;
+using model::Input;
+using model::Machine;
+using model::Motion;
+using model::Mount;
+using model::State;
+using model::TrackKind;
+using reference::Random;
+
+constexpr Mount kMounts[] = {Mount::kLevel, Mount::kRigid, Mount::kUniversalJoint};
+
+/// df/dt along a motion, f(State).
+template <typename F>
+auto rate_along(const State& state, const Coordinates& a, const F& f) {
+  const double h = 1e-4;
+  const auto at = [&](double t) {
+    return f(State{state.q + t * state.v, state.v + t * a, state.rotor_speed});
+  };
+  using Value = decltype(f(state));
+  return Value((8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12.0 * h));
+}
+
+Input random_input(Random& random) {
+  Input input;
+  input.mode = model::DriveMode::kIdealTorque;
+  for (double& drive : input.drive) drive = random.between(-5, 5);
+  input.force = random.vector(5.0);
+  input.moment = random.vector(5.0);
+  return input;
+}
+
+Vector3d angular_momentum(const Machine& machine, const State& state) {
+  return machine.truth(state, {}).angular_momentum;
+}
+
+/// Moment of all weights about the ground pivot, world [N m].
+Vector3d weight_moment(const Machine& machine, const State& state) {
+  Motion motion;
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed, machine.gravity, motion);
+  Vector3d moment = Vector3d::Zero();
+  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
+    moment +=
+        motion.p_cm[b].cross(Vector3d(0, 0, -machine.gravity * machine.tree.bodies()[b].mass));
+  }
+  return moment;
+}
+
+/// Moment of the input's force and moment about the ground pivot, world [N m].
+Vector3d wrench_moment(const Machine& machine, const State& state, const Input& input) {
+  Motion motion;
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed, machine.gravity, motion);
+  return input.moment + (motion.frame[0].R * machine.push_point).cross(input.force);
+}
+
+/// Weightless, with every internal force but nothing from outside, 1 s: p_thx + p_bx is the world's
+/// x component of the angular momentum of everything and stays.
+TEST(Momentum, AboutXStaysWeightless) {
+  auto p = reference::umbrella("prototype_b");
+  p.mount = Mount::kUniversalJoint;
+  p.structure.damping = 0.0;  // from the ground
+  p.bushing = {50.0, 3.0, 2.0};
+  Machine machine = model::build(p);
+  machine.gravity = 0.0;
+  const State start =
+      machine.state({0.02, 0.01, 0.01, -0.02, 0.1, 0.02}, {0.3, -0.2, 0.2, 0.1, -5.0, 0.1});
+  Input drive;
+  drive.drive[0] = -1.0;
+  const auto about_x = [&machine](const State& state) {
+    const Coordinates momentum = machine.generalised_momentum(state);
+    return momentum[0] + momentum[2];
+  };
+  const double first = about_x(start);
+  double worst = 0.0;
+  reference::simulate(
+      machine, start, 1.0, [&](double, const State&) { return drive; }, {1e-11, 1e-11},
+      [&](double /*t*/, const State& state) {
+        worst = std::max({worst, std::abs(about_x(state) - first),
+                          std::abs(angular_momentum(machine, state).x() - first)});
+        return machine.tilt(state) < 1.0;
+      });
+  EXPECT_LT(worst, 1e-12);  // [N m s], measured 5.5e-15
+}
+
+/// No torque on the disc: p_phi stays while the axles exchange spin with the rotors.
+TEST(Momentum, DiscKeepsItsOwn) {
+  for (const Mount mount : kMounts) {
+    auto p = reference::frictionless(reference::umbrella("prototype_b"));
+    p.mount = mount;
+    p.track = TrackKind::kNone;
+    Machine machine = model::build(p);
+    machine.gravity = 0.0;
+    const int phi = machine.layout.disc;
+    State start = machine.state({0.2, -0.1, 0.1}, {0.3, 0.2, 0.0});
+    start.v[phi] = -5.0;
+    start.v[phi + 1] = 1.0;
+    const double first = machine.generalised_momentum(start)[phi];
+    double worst = 0.0, spin_change = 0.0;
+    reference::simulate(machine, start, 1.0, reference::no_input, {1e-12, 1e-13},
+                        [&](double /*t*/, const State& state) {
+                          worst = std::max(
+                              worst, std::abs(machine.generalised_momentum(state)[phi] - first));
+                          spin_change = std::max(spin_change, std::abs(state.v[phi] + 5.0));
+                          return true;
+                        });
+    EXPECT_LT(worst, 1e-11);      // [N m s], measured 3.7e-14
+    EXPECT_GT(spin_change, 5.0);  // [rad/s], measured 10.1: it was not at rest
+  }
+}
+
+/// The generalised momenta are components of the bodies' momenta: about world x, and of disc and
+/// gyros about z_D.
+TEST(Momentum, GeneralisedIsAngular) {
+  Random random(1);
+  double worst = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    auto p = random.umbrella();
+    p.mount = Mount::kUniversalJoint;
+    const Machine machine = model::build(p);
+    const State state = random.state(machine, 0.7, 3.0);
+    const Coordinates momentum = machine.generalised_momentum(state);
+    const Vector3d L = angular_momentum(machine, state);
+    worst = std::max(worst, std::abs(momentum[0] + momentum[2] - L.x()) / L.norm());
+  }
+  for (int i = 0; i < 200; ++i) {
+    for (const auto arrangement : {model::Arrangement::kSingle, model::Arrangement::kPair}) {
+      const Machine machine = model::build(random.gimballed(arrangement));
+      const State state = random.state(machine, 0.7, 3.0);
+      const Vector3d L = angular_momentum(machine, state);
+      worst = std::max(worst, std::abs(machine.generalised_momentum(state)[0] - L.x()) / L.norm());
+    }
+  }
+  EXPECT_LT(worst, 1e-11);  // measured 2.7e-13
+}
+
+/// What the ground joint and, in mount `level`, the external support exert on the machine, found
+/// from dL/dt with everything acting. A Hooke joint carries a moment along the normal n of its two
+/// axes alone; the support's moment is horizontal. So the x and y components of what is missing
+/// must be the holding moment, plus the share of the joint's moment that has a y component.
+TEST(Momentum, HoldingMomentIsWhatIsMissing) {
+  Random random(2);
+  double worst = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    auto p = random.umbrella();
+    p.mount = Mount::kLevel;
+    p.track = TrackKind::kSlot;
+    const Machine machine = model::build(p);
+    const State state = random.state(machine, 0.3, 2.0);
+    const Input input = random_input(random);
+    const Coordinates a = machine.acceleration(state, input);
+
+    const Vector3d L_rate =
+        rate_along(state, a, [&](const State& s) { return angular_momentum(machine, s); });
+    const Vector3d missing =
+        L_rate - weight_moment(machine, state) - wrench_moment(machine, state, input);
+
+    const double sx = std::sin(state.q[0]), cx = std::cos(state.q[0]);
+    const Vector3d second_axis(0.0, cx, sx), normal(0.0, -sx, cx);
+    const Vector3d damping(-machine.damping[0] * state.v[0], 0.0, 0.0);
+    const Vector3d damping_2 = -machine.damping[1] * state.v[1] * second_axis;
+    const Vector3d rest = missing - damping - damping_2;
+    const double carried = rest.z() / normal.z();
+    const Vector3d holding = rest - carried * normal;
+
+    const auto found = machine.truth(state, input).holding_moment;
+    const double scale = holding.norm();
+    worst = std::max({worst, std::abs(holding.x() - found[0]) / scale,
+                      std::abs(holding.y() - found[1]) / scale});
+  }
+  EXPECT_LT(worst, 1e-11);  // measured 4.1e-14
+}
+
+/// Without a support the ground joint is alone, and what is missing lies along its normal:
+/// whatever drive, contact, bushing and friction do to the disc they undo to the structure.
+TEST(Momentum, OnlyTheGroundJointChangesIt) {
+  Random random(3);
+  double worst = 0.0;
+  for (const Mount mount : {Mount::kRigid, Mount::kUniversalJoint}) {
+    for (int i = 0; i < 300; ++i) {
+      auto p = random.umbrella();
+      p.mount = mount;
+      p.track = TrackKind::kSlot;
+      p.structure.damping = 0.0;
+      const Machine machine = model::build(p);
+      const State state = random.state(machine, 0.3, 2.0);
+      const Input input = random_input(random);
+      const Vector3d L_rate =
+          rate_along(state, machine.acceleration(state, input),
+                     [&](const State& s) { return angular_momentum(machine, s); });
+      const Vector3d missing =
+          L_rate - weight_moment(machine, state) - wrench_moment(machine, state, input);
+      const Vector3d normal(0.0, -std::sin(state.q[0]), std::cos(state.q[0]));
+      worst = std::max(worst, (missing - missing.dot(normal) * normal).norm() / missing.norm());
+    }
+  }
+  EXPECT_LT(worst, 1e-9);  // measured 5.5e-11
+}
+
+}  // namespace
+}  // namespace gyrotwin

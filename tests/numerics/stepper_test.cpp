@@ -1,0 +1,121 @@
+// SUNDIALS as it is used here: order, exactness, bounded work, nothing carried over between calls.
+#include "services/integrator/stepper.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "services/integrator/plant.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace gyrotwin {
+namespace {
+
+/// y'' = -y + sin(t / 2), y(0) = 1, y'(0) = 0: y = cos t - (2/3) sin t + (4/3) sin(t / 2).
+class Oscillator : public Ode {
+ public:
+  int size() const noexcept override { return 2; }
+  void rates(double t, const double* y, double* dy) noexcept override {
+    dy[0] = y[1];
+    dy[1] = -y[0] + std::sin(0.5 * t);
+  }
+  static double exact(double t) {
+    return std::cos(t) - 2.0 / 3.0 * std::sin(t) + 4.0 / 3.0 * std::sin(0.5 * t);
+  }
+};
+
+double error_at_10(const StepPolicy& policy, int calls) {
+  Oscillator ode;
+  Stepper stepper(ode, policy);
+  std::array<double, 2> y{1.0, 0.0};
+  for (int i = 0; i < calls; ++i) {
+    EXPECT_TRUE(stepper.advance(10.0 * i / calls, 10.0 * (i + 1) / calls, y));
+  }
+  return std::abs(y[0] - Oscillator::exact(10.0));
+}
+
+TEST(Stepper, FixedStepsConvergeWithOrderFive) {
+  double coarse = error_at_10({.substeps = 1}, 40);
+  for (const int substeps : {2, 4, 8}) {
+    const double fine = error_at_10({.substeps = substeps}, 40);
+    EXPECT_GT(std::log2(coarse / fine), 4.5) << substeps;  // measured 5.0 to 5.3
+    coarse = fine;
+  }
+  EXPECT_LT(coarse, 1e-9);  // measured 2e-11
+}
+
+TEST(Stepper, AdaptiveStepsKeepTheirTolerance) {
+  EXPECT_LT(error_at_10({.adaptive = true}, 1), 1e-11);   // measured 1e-12
+  EXPECT_LT(error_at_10({.adaptive = true}, 37), 1e-11);  // measured 1e-12
+}
+
+TEST(Stepper, WorkOfAFixedCallIsBounded) {
+  Oscillator ode;
+  Stepper stepper(ode, {.substeps = 4});
+  std::array<double, 2> y{1.0, 0.0};
+  for (int i = 0; i < 100; ++i) {
+    stepper.advance(0.0, 0.1, y);
+    EXPECT_LE(stepper.evaluations(), 6 * 4 + 1);
+  }
+}
+
+TEST(Stepper, ACallDependsOnNothingButItsArguments) {
+  Oscillator ode;
+  Stepper used(ode, {.substeps = 3}), fresh(ode, {.substeps = 3});
+  std::array<double, 2> y{5.0, -3.0};
+  for (int i = 0; i < 10; ++i) used.advance(i, i + 1, y);
+  std::array<double, 2> a{0.3, 0.4}, b{0.3, 0.4};
+  used.advance(2.0, 2.1, a);
+  fresh.advance(2.0, 2.1, b);
+  EXPECT_EQ(a, b);
+}
+
+TEST(Stepper, FailureIsSaidAndCanBeRecoveredFrom) {
+  struct Explosion : Ode {
+    int size() const noexcept override { return 1; }
+    void rates(double, const double* y, double* dy) noexcept override { dy[0] = y[0] * y[0]; }
+  } ode;  // y = 1 / (1 - t) from y(0) = 1
+  Stepper stepper(ode, {.adaptive = true});
+  std::array<double, 1> y{1.0};
+  EXPECT_FALSE(stepper.advance(0.0, 2.0, y));
+  y = {1.0};
+  EXPECT_TRUE(stepper.advance(0.0, 0.5, y));
+  EXPECT_NEAR(y[0], 2.0, 1e-10);  // measured 2e-12
+}
+
+TEST(Stepper, DoesNotAllocate) {
+  Oscillator ode;
+  Stepper fixed(ode, {.substeps = 4}), adaptive(ode, {.adaptive = true});
+  std::array<double, 2> y{1.0, 0.0};
+  fixed.advance(0.0, 0.1, y);
+  adaptive.advance(0.0, 0.1, y);
+  const AllocationCounter allocations;
+  for (int i = 0; i < 100; ++i) {
+    fixed.advance(0.0, 0.1, y);
+    adaptive.advance(0.0, 0.1, y);
+  }
+  EXPECT_EQ(allocations.count(), 0);
+}
+
+class RigStepping : public testing::TestWithParam<const char*> {};
+
+TEST_P(RigStepping, MeetsTheRigsOwnTolerance) {
+  const Rig rig = load_rig(GetParam());
+  const model::Machine machine = rig.build_machine();
+  const double error = stepping_error(rig, machine);
+  EXPECT_LT(error, rig.loop.step_tolerance);
+  RecordProperty("error_rad", std::to_string(error));
+  // The check can fail: a tolerance below what the steps give must be noticed.
+  EXPECT_GT(error, 1e-14);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, RigStepping,
+                         testing::Values("prototype_a", "prototype_b", "prototype_b_sleeping",
+                                         "gooch", "townsend", "double_brennan", "brennan_monorail",
+                                         "gyrocar"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace gyrotwin
