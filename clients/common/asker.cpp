@@ -13,9 +13,9 @@ Asker::Asker(const Rig& rig, Clock& clock)
       epoch_(random_id()),
       writer_(random_id()) {}
 
-const status_t& Asker::owner() {
+const status_t& Asker::owner(std::int64_t patience_ns) {
   if (owner_) return *owner_;
-  const bool heard = listen(kOwnerPatience, [this](const Reception& reception) {
+  const bool heard = listen(patience_ns, [this](const Reception& reception) {
     if (reception.channel != Channel::kIntegratorStatus) return false;
     Bus::decode(reception, owner_.emplace());
     return true;

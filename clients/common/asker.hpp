@@ -31,9 +31,9 @@ class Asker {
   /// @throws Error naming what is missing (key, interface, permission) and the fix
   Asker(const Rig& rig, Clock& clock);
 
-  /// The owner's STATUS, waited for when none was heard yet.
+  /// The owner's STATUS, waited for up to `patience_ns` when none was heard yet.
   /// @throws NotDone when none comes, with the most likely reason
-  const status_t& owner();
+  const status_t& owner(std::int64_t patience_ns = kOwnerPatience);
 
   /// Fills in who asks whom and sends the request until it is answered. A request is done once
   /// however often it is sent. Where the owner's run ended meanwhile, asks the new run, once.

@@ -16,7 +16,7 @@ namespace gyrotwin {
 namespace {
 
 std::vector<std::string_view> split(std::string_view text) {
-  constexpr std::string_view kSeparators = ",[] \t\n";
+  constexpr std::string_view kSeparators = ",;[] \t\n";
   std::vector<std::string_view> words;
   for (;;) {
     const auto begin = text.find_first_not_of(kSeparators);

@@ -14,7 +14,8 @@ struct Initial {
 };
 
 /// `base` with what `text` says about it. `q=` and `v=` begin a list of all coordinates or all
-/// rates; `NAME=` sets one coordinate, `NAME_dot=` its rate. Commas, spaces and brackets separate.
+/// rates; `NAME=` sets one coordinate, `NAME_dot=` its rate. Commas, semicolons, spaces and
+/// brackets separate.
 /// @param names of the coordinates, model::Layout::names
 /// @param base as many coordinates and rates as names
 /// @throws Error naming what was found and what the machine takes

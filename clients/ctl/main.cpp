@@ -16,7 +16,8 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr double kDay = 86400.0;
+constexpr double kDay = 86400.0;  // [s]
+constexpr double kMostTicks = 1e15;
 
 /// What the command line says.
 struct Options {
@@ -37,12 +38,15 @@ void add_verbs(CLI::App& app, Options& options) {
   for (const Verb& verb : kVerbs) {
     CLI::App* sub = app.add_subcommand(std::string(verb.name), std::string(verb.summary));
     if (verb.verb == request_t::STEP) {
-      sub->add_option("ticks", options.ticks, "How many")->required()->type_name("N");
+      sub->add_option("ticks", options.ticks, "How many")
+          ->required()
+          ->type_name("N")
+          ->check(finite_within(1.0, kMostTicks).description(""));
     } else if (verb.verb == request_t::SPEED) {
       sub->add_option("factor", options.speed, "Simulated over wall time")
           ->required()
           ->type_name("X")
-          ->check(finite_within(0.0, 1e6));
+          ->check(finite_within(0.0, 1e6).description(""));
     } else if (verb.verb == request_t::RESET) {
       sub->add_option("--initial", options.initial,
                       "Initial state instead of the rig file's, rad and rad/s: "
@@ -61,19 +65,22 @@ void add_observers(CLI::App& app, Options& options) {
 
   CLI::App* wait = app.add_subcommand("wait", "Wait for a mode, or until the platform balances");
   wait->add_option("what", options.awaited,
-                   "held, running, paused, safe_stop, fallen, fault, or balanced: RUNNING and "
-                   "upright for a while")
+                   "held, running, paused, safe_stop, fallen, fault; ready: HELD with a controller "
+                   "there; balanced: RUNNING and upright for a while")
       ->required()
       ->type_name("MODE");
   wait->add_option("--timeout", options.timeout_s, "Wall time to wait at the longest [s]")
+      ->type_name("S")
       ->capture_default_str()
-      ->check(finite_within(0.0, kDay));
+      ->check(finite_within(0.0, kDay).description(""));
   wait->add_option("--tilt-deg", options.tilt_deg, "balanced: largest tilt [deg]")
+      ->type_name("X")
       ->capture_default_str()
-      ->check(finite_within(0.0, 180.0));
+      ->check(finite_within(0.0, 180.0).description(""));
   wait->add_option("--for", options.for_s, "balanced: this long, in the owner's time [s]")
+      ->type_name("S")
       ->capture_default_str()
-      ->check(finite_within(0.0, kDay));
+      ->check(finite_within(0.0, kDay).description(""));
 }
 
 request_t request_of(const Verb& verb, const Options& options, const Rig& rig) {
@@ -99,13 +106,18 @@ Mode mode_of(std::string word) {
     names.push_back(mode_name(m));
     if (word == names.back()) return static_cast<Mode>(m);
   }
-  names.push_back("BALANCED");
+  names.insert(names.end(), {"READY", "BALANCED"});
   throw Error("wait: `" + word + "` is no mode of an owner; `gyrotwin ctl wait --help` lists them" +
               did_you_mean(nearest(word, names)));
 }
 
 void wait(Asker& asker, const Options& options) {
   const std::int64_t limit_ns = nanoseconds(options.timeout_s);
+  if (options.awaited == "ready") {
+    wait_until_ready(asker, limit_ns);
+    std::printf("ready to arm\n");
+    return;
+  }
   if (options.awaited != "balanced") {
     const Mode mode = mode_of(options.awaited);
     wait_for_mode(asker, mode, limit_ns);
@@ -117,13 +129,15 @@ void wait(Asker& asker, const Options& options) {
 }
 
 int run(const CLI::App& app, const RigOptions& rig_options, const Options& options) {
-  const std::string name = app.get_subcommands().front()->get_name();
+  const auto chosen = app.get_subcommands();
+  const std::string name = chosen.empty() ? "" : chosen.front()->get_name();
   if (name == "modes") {
     const TableStyle style = options.markdown ? TableStyle::kMarkdown : TableStyle::kText;
     std::fputs(mode_table(style).c_str(), stdout);
     return kDone;
   }
   const Rig rig = rig_options.load();
+  if (chosen.empty()) throw CLI::RequiredError("what to do, e.g. status,");
   MonotonicClock clock;
   Asker asker(rig, clock);
   if (name == "status") {
@@ -155,7 +169,7 @@ int main(int argc, char** argv) {
       "  gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
       "  gyrotwin ctl --rig double_brennan reset --initial thx=0.05\n"
       "  gyrotwin ctl status --json");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;
   gyrotwin::add_verbs(app, options);

@@ -43,7 +43,7 @@ Sighting sight(const Rig& rig, Asker& asker) {
 }
 
 void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns) {
-  status_t status = asker.owner();
+  status_t status = asker.owner(limit_ns);
   const auto there = [&] { return status.mode == static_cast<std::int32_t>(mode); };
   const bool came = there() || asker.listen(limit_ns, [&](const Reception& reception) {
     if (reception.channel != Channel::kIntegratorStatus) return false;
@@ -56,8 +56,23 @@ void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns) {
   }
 }
 
+void wait_until_ready(Asker& asker, std::int64_t limit_ns) {
+  status_t status = asker.owner(limit_ns);
+  bool controller = false;
+  const bool ready = asker.listen(limit_ns, [&](const Reception& reception) {
+    controller |= reception.channel == Channel::kControllerStatus;
+    if (reception.channel == Channel::kIntegratorStatus) Bus::decode(reception, status);
+    return controller && status.mode == status_t::MODE_HELD;
+  });
+  if (ready) return;
+  throw NotDone(fmt::format("not ready within {:g} s: the owner is {}, {}", seconds(limit_ns),
+                            mode_text(status),
+                            controller ? "the controller is there"
+                                       : "no controller is heard: start `gyrotwin controller`"));
+}
+
 void wait_for_balance(Asker& asker, BalanceWatch watch, std::int64_t limit_ns) {
-  status_t status = asker.owner();
+  status_t status = asker.owner(limit_ns);
   bool balanced = false;
   asker.listen(limit_ns, [&](const Reception& reception) {
     if (reception.channel == Channel::kState) {

@@ -15,7 +15,7 @@ struct Verb {
   std::string_view name;     ///< on the command line
   std::int32_t verb;         ///< request_t
   std::string_view summary;  ///< for --help
-  std::string_view done;     ///< begins the line that says it was applied
+  std::string_view done;     ///< stands before the owner's own words; empty: they say it all
 };
 
 inline constexpr std::array<Verb, 8> kVerbs{{
@@ -25,8 +25,8 @@ inline constexpr std::array<Verb, 8> kVerbs{{
     {"resume", request_t::RESUME, "Let time go on", "resumed"},
     {"step", request_t::STEP, "Run that many ticks of a paused plant", "stepping"},
     {"reset", request_t::RESET, "Back to HELD at the initial state, from any mode", "reset"},
-    {"speed", request_t::SPEED, "Simulated over wall time, e.g. 0.5 is half as fast", "set"},
-    {"clear", request_t::CLEAR, "End all disturbances, also those to come", "cleared"},
+    {"speed", request_t::SPEED, "Simulated over wall time, e.g. 0.5 is half as fast", ""},
+    {"clear", request_t::CLEAR, "End all disturbances, also those to come", ""},
 }};
 
 /// "armed: RUNNING from tick 0".

@@ -27,7 +27,7 @@ class Aftermath {
   }
   std::int64_t tick() const noexcept { return tick_; }
 
-  /// "peak 2.9 deg after 0.08 s, 0.05 deg after 3 s", or "FALLEN after 0.8 s".
+  /// "peak 2.912 deg after 0.08 s, 0.050 deg after 3 s", or "FALLEN after 0.8 s".
   std::string text() const;
 
  private:

@@ -17,6 +17,7 @@ namespace gyrotwin {
 namespace {
 
 constexpr double kStrongest = 1e9;
+constexpr double kLatest = 1e15;                // [tick]
 constexpr double kLongest = 3600.0;             // [s]
 constexpr double kShownOnTerminal = 3.0;        // [s]
 constexpr std::int64_t kStill = 2'000'000'000;  // without a tick: time stands still [ns]
@@ -33,7 +34,8 @@ void add_push(CLI::App& sub, Options& options, const std::string& moment_unit,
   const auto add = [&](const char* name, double& value, const std::string& what,
                        const std::string& unit) {
     sub.add_option(name, value, what + " [" + unit + "]")
-        ->check(finite_within(-kStrongest, kStrongest));
+        ->type_name("X")
+        ->check(finite_within(-kStrongest, kStrongest).description(""));
   };
   auto& [moment, force] = options.push;
   add("--roll", moment[0], "About x, forward", moment_unit);
@@ -46,10 +48,15 @@ void add_push(CLI::App& sub, Options& options, const std::string& moment_unit,
 
 void add_when(CLI::App& sub, Options& options, const std::string& duration,
               const std::string& watch) {
-  sub.add_option("--duration", options.duration_s, duration)->check(finite_within(1e-9, kLongest));
+  sub.add_option("--duration", options.duration_s, duration)
+      ->type_name("S")
+      ->check(finite_within(1e-9, kLongest).description(""));
   sub.add_option("--at-tick", options.start_tick, "First tick it acts in; default: the next one")
-      ->check(CLI::PositiveNumber);
-  sub.add_option("--watch", options.watch_s, watch)->check(finite_within(0.0, kLongest));
+      ->type_name("N")
+      ->check(finite_within(1.0, kLatest).description(""));
+  sub.add_option("--watch", options.watch_s, watch)
+      ->type_name("S")
+      ->check(finite_within(0.0, kLongest).description(""));
 }
 
 /// Prints what followed. @return its exit code
@@ -63,7 +70,8 @@ int watch(Asker& asker, const reply_t& reply, std::int64_t tick_ns, double span_
       return aftermath.on(state);
     });
     if (!went_on) {
-      std::printf("\n");
+      std::puts("");
+      std::fflush(stdout);
       throw NotDone(
           fmt::format("time stands still at tick {}: not watched to the end; `gyrotwin "
                       "ctl status` says why",
@@ -75,12 +83,12 @@ int watch(Asker& asker, const reply_t& reply, std::int64_t tick_ns, double span_
 }
 
 int push(const Rig& rig, Asker& asker, const Options& options, bool impulse) {
-  const std::int64_t tick_ns = asker.owner().tick_period_ns;
-  if (tick_ns <= 0) throw NotDone("the owner's STATUS names no tick period");
-
   Options what = options;
   if (impulse && what.push.nothing()) what.push.moment[0] = rig.reference_impulse_nms;
   if (what.push.nothing()) throw Error("step: no load was named; give one, e.g. --roll 0.5");
+  const std::int64_t tick_ns = asker.owner().tick_period_ns;
+  if (tick_ns <= 0) throw NotDone("the owner's STATUS names no tick period");
+
   const Timing timing{
       .duration_s = what.duration_s.value_or(impulse ? rig.impulse_duration_s : 0.0),
       .start_tick = what.start_tick};
@@ -118,10 +126,10 @@ int main(int argc, char** argv) {
   app.footer(
       "Exit code 0: done; 1: refused, not in time, or it fell while watched; 2: asked wrongly.\n"
       "Examples:\n"
-      "  gyrotwin disturb impulse                   # the rig's reference push\n"
-      "  gyrotwin disturb impulse --pitch -0.3 --watch 5\n"
+      "  gyrotwin disturb impulse          # the rig's reference push\n"
+      "  gyrotwin disturb impulse --rig double_brennan --pitch 0.3 --watch 5\n"
       "  gyrotwin disturb step --push-y 2 && sleep 5 && gyrotwin disturb clear");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;
 
@@ -140,6 +148,7 @@ int main(int argc, char** argv) {
 
   return gyrotwin::run_program(argc, argv, app, [&] {
     const gyrotwin::Rig rig = rig_options.load();
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("impulse, step or clear");
     gyrotwin::MonotonicClock clock;
     gyrotwin::Asker asker(rig, clock);
     if (clear->parsed()) return gyrotwin::clear(asker);

@@ -45,8 +45,8 @@ std::string unknown_verb(std::string_view verb) {
   for (const Program& p : kDaemons) names.push_back(p.name);
   for (const Program& p : kClients) names.push_back(p.name);
   return fmt::format(
-      "there is no verb `{}`, and no program gyrotwin-{}{}; `gyrotwin --help` lists "
-      "the verbs",
+      "there is no verb `{}` (no program gyrotwin-{}); `gyrotwin --help` lists "
+      "the verbs{}",
       verb, verb, did_you_mean(nearest(verb, names)));
 }
 

@@ -63,15 +63,16 @@ int main(int argc, char** argv) {
       "Keys are in $GYROTWIN_KEYS, or else $XDG_CONFIG_HOME/gyrotwin, or ~/.config/gyrotwin.\n"
       "Example:\n"
       "  gyrotwin key new --rig prototype_b");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   CLI::App* make = app.add_subcommand("new", "Make the rig's key; one that is there is kept");
   CLI::App* show = app.add_subcommand("show", "Print a fingerprint of the key, to compare hosts");
-  app.add_subcommand("path", "Print where the key is");
+  CLI::App* path = app.add_subcommand("path", "Print where the key is");
   return gyrotwin::run_program(argc, argv, app, [&] {
     const gyrotwin::Rig rig = rig_options.load();
     if (make->parsed()) return gyrotwin::make_new(rig);
     if (show->parsed()) return gyrotwin::show(rig);
-    return gyrotwin::print_path(rig);
+    if (path->parsed()) return gyrotwin::print_path(rig);
+    throw CLI::RequiredError("new, show or path");
   });
 }

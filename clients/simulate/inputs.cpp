@@ -86,7 +86,7 @@ std::vector<std::size_t> channels_of(const Series& series, const Target& target,
 
 InputFunction<Channels> table(const std::string& file, const Target& target) {
   const std::string place = target.option + ": " + file;
-  Series series(read_file(file), place);
+  Series series(read_file(file, place), place);
   std::vector<std::size_t> channels = channels_of(series, target, place);
   std::vector<double> times = series.times();
   return {[series = std::move(series), channels = std::move(channels)](const Instant& now) {

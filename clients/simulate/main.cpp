@@ -192,8 +192,10 @@ void tell_verdict(const Rig& rig, const Outcome& outcome) {
     std::fprintf(stderr, "falls: tilt beyond %.1f deg (safety.fall_tilt_rad) at %.3f s\n",
                  degrees(rig.safety.fall_tilt_rad), *outcome.fell_at);
   } else {
-    std::fprintf(stderr, "stands: tilt at most %.2f deg, %.2f deg at the end\n",
-                 degrees(outcome.largest_tilt), degrees(outcome.tilt));
+    const bool growing = outcome.tilt == outcome.largest_tilt && outcome.tilt > 0.0;
+    std::fprintf(stderr, "stands: tilt at most %.2f deg, %.2f deg at the end%s\n",
+                 degrees(outcome.largest_tilt), degrees(outcome.tilt),
+                 growing ? " and growing" : "");
   }
 }
 
@@ -205,10 +207,10 @@ int conclude(const Rig& rig, const Outcome& outcome, bool written) {
                  what.c_str(), outcome.t);
     return kNotDone;
   };
+  if (outcome.fell_at || outcome.end == End::kDuration) tell_verdict(rig, outcome);
   if (!written) return complain("the output takes no more (disk full?)");
   switch (outcome.end) {
     case End::kDuration:
-      tell_verdict(rig, outcome);
       return kDone;
     case End::kStopped:
       return complain("stopped by a signal");
@@ -221,8 +223,10 @@ int conclude(const Rig& rig, const Outcome& outcome, bool written) {
   }
   char tilt[32];
   std::snprintf(tilt, sizeof tilt, "%.1f", degrees(outcome.tilt));
-  return complain("the motion is not finite or too fast to follow after a tilt of " +
-                  std::string(tilt) + " deg,");
+  return complain(
+      "no finite motion, or one too fast to follow (a formula that chatters? soften "
+      "sign(x) to tanh(x/0.01), or use --feedback sampled), after a tilt of " +
+      std::string(tilt) + " deg,");
 }
 
 int run(RigOptions& rig_options, const Options& options) {

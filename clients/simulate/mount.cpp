@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "services/model/umbrella.hpp"
+#include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 
@@ -38,30 +39,31 @@ std::vector<std::string> mount_names() {
 }
 
 void choose_mount(RigOptions& rig_options, std::string mount, const std::string& track) {
-  if (!track.empty()) rig_options.override_key("umbrella.track=" + track);
-  if (!mount.empty()) rig_options.override_key("umbrella.mount=" + mount);
-
   // The rig as it is without that.
   std::vector<std::string> others;
   bool q_given = false, v_given = false;
   for (const std::string& key : rig_options.overrides()) {
     if (key.starts_with("umbrella.mount=")) {
-      mount = key.substr(key.find('=') + 1);
-    } else if (key.starts_with("initial.q=")) {
-      q_given = true;
-    } else if (key.starts_with("initial.v=")) {
-      v_given = true;
-    } else {
-      others.push_back(key);
+      if (mount.empty()) mount = key.substr(key.find('=') + 1);
+      continue;
     }
+    q_given = q_given || key.starts_with("initial.q=");
+    v_given = v_given || key.starts_with("initial.v=");
+    if (!key.starts_with("initial.")) others.push_back(key);
   }
-  const auto chosen = std::find_if(kMounts.begin(), kMounts.end(),
-                                   [&](const auto& word) { return word.first == mount; });
-  if (chosen == kMounts.end() || (q_given && v_given)) return;
+  if (mount.empty() && track.empty()) return;
   const Rig rig = load_rig(rig_options.name(), others);
   const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine);
-  if (!umbrella) return;  // load() will tell
+  if (!umbrella) {
+    throw Error("rig " + rig.name +
+                " has gimballed gyros; only an umbrella platform has a mount and a track");
+  }
+  if (!track.empty()) rig_options.override_key("umbrella.track=" + track);
+  const auto chosen = std::find_if(kMounts.begin(), kMounts.end(),
+                                   [&](const auto& word) { return word.first == mount; });
+  if (chosen == kMounts.end()) return;  // none, or a mistake that load() will tell
 
+  rig_options.override_key("umbrella.mount=" + mount);
   const model::Machine before = model::build(*umbrella);
   model::UmbrellaParameters remounted = *umbrella;
   remounted.mount = chosen->second;

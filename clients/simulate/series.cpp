@@ -92,13 +92,13 @@ std::span<const double> Series::at(double t) const noexcept {
   return {values_.data() + static_cast<std::size_t>(after) * columns_.size(), columns_.size()};
 }
 
-std::string read_file(const std::string& name) {
+std::string read_file(const std::string& name, const std::string& place) {
   std::ifstream stream(name);
   const std::string why = stream ? "" : std::strerror(errno);
   std::ostringstream text;
   text << stream.rdbuf();
   if (why.empty() && !stream.bad() && !std::filesystem::is_directory(name)) return text.str();
-  throw Error(name + ": cannot be read" + (why.empty() ? "" : ": " + why));
+  throw Error(place + ": cannot be read" + (why.empty() ? "" : ": " + why));
 }
 
 }  // namespace gyrotwin

@@ -31,7 +31,8 @@ class Series {
   std::vector<double> values_;  // row by row, a row of zeros first
 };
 
-/// The whole text of a file. @throws Error naming it and the reason
-std::string read_file(const std::string& name);
+/// The whole text of a file.
+/// @throws Error `place: ...` with the reason
+std::string read_file(const std::string& name, const std::string& place);
 
 }  // namespace gyrotwin

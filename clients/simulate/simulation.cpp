@@ -19,6 +19,8 @@ constexpr double kLongestPiece =
     0.01;  // of adaptive stepping, so that no short pulse is missed [s]
 // Times closer than this share of a second (or of themselves) are the same, but for rounding.
 constexpr double kSameTime = 1e-12;
+// Share of a tick that is surely inside of it and changes nothing else.
+constexpr double kInside = 1e-9;
 // Tick periods are whole nanoseconds, rates need not be.
 constexpr double kSameCount = 1e-6;
 
@@ -123,7 +125,9 @@ class LoopOde : public Ode {
 
  private:
   void act(double t, const model::State& state, const double* z, double* dz) noexcept {
-    const Instant now{origin_ + t, within_, state};
+    // A hair inside the piece: a formula that jumps at its end has not jumped yet.
+    const double inside = within_ + (origin_ + t - within_) * (1.0 - kInside);
+    const Instant now{inside, within_, state};
     if (scenario_.external.value) {
       const Wrench wrench = scenario_.external.value(now);
       input_.force = wrench.force;
@@ -171,9 +175,10 @@ class HeldDrives {
   const DriveTorques& over_tick(std::int64_t k, double t, double tick, const model::State& state,
                                 const model::Observation& seen) {
     const auto size = static_cast<std::int64_t>(waiting_.size());
-    // A row of a table that begins with the tick counts, whatever the rounding of its time.
+    // What jumps with the tick has jumped, whatever the rounding of its time.
+    const double after = t + kInside * tick;
     waiting_[(k + size - 1) % size] =
-        law_ ? law_->step(seen) : scenario_.torque->value({t, t + kSameCount * tick, state});
+        law_ ? law_->step(seen) : scenario_.torque->value({after, after, state});
     return waiting_[k % size];
   }
 

@@ -1,6 +1,7 @@
 #include "services/controller/constant_speed.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "services/controller/settings.hpp"

@@ -44,9 +44,8 @@ LawState MomentumManager::rates(const model::Observation& seen, const LawState& 
 std::string MomentumManager::describe() const {
   char text[192];
   std::snprintf(text, sizeof text,
-                "momentum_manager: momentum %.4g N m s (disc at %.4g rad/s on a rigid ring), kappa "
-                "= %.4g 1/s, "
-                "kd = %.4g N m/rad",
+                "momentum_manager: momentum %.4g N m s (disc at %.4g rad/s on a rigid ring), "
+                "kappa = %.4g 1/s, kd = %.4g N m/rad",
                 -platform_.C * disc_speed_, -disc_speed_, momentum_rate_, elevation_gain_);
   return text;
 }

@@ -155,7 +155,7 @@ void IntegratorService::on_request(const request_t& request, std::int64_t now) n
       Channel::kReply, reply,
       {integrator_.epoch(), ++reply_sequence_, integrator_.tick(), integrator_.sim_time_ns()});
   daemon_.log(reply.result == reply_t::APPLIED ? LogLevel::kInfo : LogLevel::kWarning,
-              "request {}: {}{}", request.verb, reply.result == reply_t::APPLIED ? "" : "refused: ",
+              "{}: {}{}", verb_name(request.verb), reply.result == reply_t::APPLIED ? "" : "refused: ",
               reinterpret_cast<const char*>(reply.text));
 }
 

@@ -13,7 +13,9 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr long kMaxSteps = 10'000'000;
+constexpr long kMaxSteps = 1'000'000;
+// A jump of the right-hand side is met by making the step a billionth: not in the usual 7 tries.
+constexpr int kMaxErrorTestFailures = 100;
 
 int right_hand_side(realtype t, N_Vector y, N_Vector dy, void* context) {
   static_cast<Ode*>(context)->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
@@ -61,6 +63,8 @@ Stepper::Stepper(Ode& ode, const StepPolicy& policy) : solver_(std::make_unique<
   if (policy.adaptive) {
     require(ERKStepSStolerances(s.memory, policy.rtol, policy.atol) == ARK_SUCCESS, "tolerances");
     require(ERKStepSetMaxNumSteps(s.memory, kMaxSteps) == ARK_SUCCESS, "step limit");
+    require(ERKStepSetMaxErrTestFails(s.memory, kMaxErrorTestFailures) == ARK_SUCCESS,
+            "limit of error test failures");
   }
 }
 

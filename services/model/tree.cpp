@@ -1,6 +1,7 @@
 #include "services/model/tree.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,14 @@ IndexList list_of(unsigned mask) {
     if (mask & (1u << i)) list.index[list.size++] = i;
   }
   return list;
+}
+
+/// sum += a x b, by components: Eigen writes the product by components too, and reading it back in
+/// pairs stalls.
+void add_cross(Vector3d& sum, const Vector3d& a, const Vector3d& b) {
+  sum.x() += a.y() * b.z() - a.z() * b.y();
+  sum.y() += a.z() * b.x() - a.x() * b.z();
+  sum.z() += a.x() * b.y() - a.y() * b.x();
 }
 
 /// R <- R Rot(axis, angle): only two columns change.
@@ -95,9 +104,13 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
       frame.p = parent.p + rho;
       const Vector3d v_rho = parent.omega.cross(rho);
       frame.v = parent.v + v_rho;
-      frame.a0 = parent.a0 + parent.alpha0.cross(rho) + parent.omega.cross(v_rho);
+      frame.a0 = parent.a0;
+      add_cross(frame.a0, parent.alpha0, rho);
+      add_cross(frame.a0, parent.omega, v_rho);
       for (int i : linear(body.position_parent)) frame.Jv[i] = parent.Jv[i];
-      for (int i : angular(body.position_parent)) frame.Jv[i] += parent.Jw[i].cross(rho);
+      for (int i : angular(body.position_parent)) {
+        add_cross(frame.Jv[i], parent.Jw[i], rho);
+      }
     }
 
     // The orientation, turned from the orientation parent's by the joint's rotations.
@@ -120,8 +133,9 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
         const int i = rotation.coordinate;
         const double k = rotation.coefficient;
         const Vector3d e = frame.R.col(static_cast<int>(rotation.axis));
-        frame.alpha0 += frame.omega.cross(k * v[i] * e);
-        frame.omega += k * v[i] * e;
+        const Vector3d rate = k * v[i] * e;
+        add_cross(frame.alpha0, frame.omega, rate);
+        frame.omega += rate;
         frame.Jw[i] += k * e;
         if (rotation.offset == 0.0 && (k == 1.0 || k == -1.0)) {
           s = k * sin_q[i];
@@ -135,7 +149,8 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
     }
 
     // Linear inertia and weight, at the centre of mass.
-    Jacobian Jv = frame.Jv;
+    Jacobian at_cm;
+    const Jacobian& Jv = resolved.cm_at_pivot ? frame.Jv : at_cm;
     Vector3d a0 = frame.a0;
     motion.p_cm[b] = frame.p;
     motion.v_cm[b] = frame.v;
@@ -144,9 +159,11 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
       const Vector3d v_rho = frame.omega.cross(rho);
       motion.p_cm[b] += rho;
       motion.v_cm[b] += v_rho;
-      a0 += frame.alpha0.cross(rho) + frame.omega.cross(v_rho);
-      for (int i : resolved.only_angular) Jv[i].setZero();
-      for (int i : resolved.angular) Jv[i] += frame.Jw[i].cross(rho);
+      add_cross(a0, frame.alpha0, rho);
+      add_cross(a0, frame.omega, v_rho);
+      for (int i : resolved.linear) at_cm[i] = frame.Jv[i];
+      for (int i : resolved.only_angular) at_cm[i].setZero();
+      for (int i : resolved.angular) add_cross(at_cm[i], frame.Jw[i], rho);
     }
     a0.z() += gravity;
     for (int i : resolved.linear_cm) {
@@ -179,24 +196,28 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
 }
 
 Coordinates solve(const MassMatrix& M, const Coordinates& b, int n) noexcept {
-  MassMatrix L;
+  // M = L D L', L with a unit diagonal: no square roots, and one division a coordinate.
+  MassMatrix L;   // its strict lower triangle
+  MassMatrix LD;  // the same columns times D
+  std::array<double, kMaxCoordinates> inverse_D;
   Coordinates x = Coordinates::Zero();
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; ++j) {
+    double d = M(i, i);
+    double y = b[i];
+    for (int j = 0; j < i; ++j) {
       double sum = M(i, j);
-      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
-      L(i, j) = i == j ? std::sqrt(sum) : sum / L(j, j);
+      for (int k = 0; k < j; ++k) sum -= LD(i, k) * L(j, k);
+      LD(i, j) = sum;
+      L(i, j) = sum * inverse_D[j];
+      d -= sum * L(i, j);
+      y -= L(i, j) * x[j];
     }
-  }
-  for (int i = 0; i < n; ++i) {
-    double sum = b[i];
-    for (int k = 0; k < i; ++k) sum -= L(i, k) * x[k];
-    x[i] = sum / L(i, i);
+    inverse_D[i] = d > 0.0 ? 1.0 / d : std::numeric_limits<double>::quiet_NaN();
+    x[i] = y;
   }
   for (int i = n - 1; i >= 0; --i) {
-    double sum = x[i];
-    for (int k = i + 1; k < n; ++k) sum -= L(k, i) * x[k];
-    x[i] = sum / L(i, i);
+    x[i] *= inverse_D[i];
+    for (int k = i + 1; k < n; ++k) x[i] -= L(k, i) * x[k];
   }
   return x;
 }

@@ -87,6 +87,7 @@ class Bus {
   /// Decodes a reception of the right type; receive() has checked size and fingerprint.
   template <class Message>
   static void decode(const Reception& reception, Message& message) noexcept {
+    message = {};
     message.decode(reception.payload.data(), 0, static_cast<int>(reception.payload.size()));
   }
 

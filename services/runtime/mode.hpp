@@ -104,6 +104,14 @@ constexpr std::string_view mode_name(std::int32_t mode) {
   return name_of(static_cast<Mode>(mode));
 }
 
+/// Name of a request_t verb, as on the command line.
+constexpr std::string_view verb_name(std::int32_t verb) {
+  constexpr std::array<std::string_view, 9> kNames{"arm",   "disarm", "pause",   "resume", "step",
+                                                   "reset", "speed",  "disturb", "clear"};
+  if (verb < request_t::ARM || verb > request_t::CLEAR) return "unknown request";
+  return kNames[static_cast<std::size_t>(verb - 1)];
+}
+
 /// Whether the plant's time goes on.
 constexpr bool ticks(Mode mode) {
   return mode == Mode::kRunning || mode == Mode::kSafeStop || mode == Mode::kFallen;

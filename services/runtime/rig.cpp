@@ -44,10 +44,10 @@ std::string read_text(const fs::path& file) {
   text << stream.rdbuf();
   std::error_code none;
   if (stream && fs::is_regular_file(file, none)) return text.str();
-  throw Error(file.string() + ": error: " +
-              (fs::exists(file, none) ? "cannot be read; it is to be a TOML file you may read"
-                                      : "no such file; shipped rigs, given by bare name: " +
-                                            shipped_list(shipped_rigs())));
+  throw Error(file.string() + (fs::exists(file, none)
+                                   ? " cannot be read; it is to be a TOML file you may read"
+                                   : " does not exist; shipped rigs, given by bare name: " +
+                                         shipped_list(shipped_rigs())));
 }
 
 struct Loaded {

@@ -1,6 +1,7 @@
 // A rig file: one TOML file that configures every daemon and client of one platform.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -49,7 +50,7 @@ struct Rig {
     static constexpr int kMaxCommandDelay = 8;
     int command_delay_ticks = 0;  ///< a command acts this many ticks later
     OverrunPolicy overrun = OverrunPolicy::kSkip;
-    std::int64_t tick_ns() const { return static_cast<std::int64_t>(1e9 / rate_hz + 0.5); }
+    std::int64_t tick_ns() const { return std::llround(1e9 / rate_hz); }
     double tick_s() const { return 1e-9 * static_cast<double>(tick_ns()); }
   } loop;
 
@@ -91,7 +92,7 @@ struct Rig {
 /// Reads a rig.
 /// @param name_or_path a path (it has a '/' or ends in .toml) or the bare name of a shipped rig
 /// @param overrides `key=value` texts as in `--set`, e.g. `controller.gain=[1, 2, 3]`; later wins
-/// @throws Error listing all mistakes, each `file:line:col: error: ...` with the fix
+/// @throws Error listing all mistakes, each on a line `file:line:col: error: ...` with the fix
 Rig load_rig(const std::string& name_or_path, const std::vector<std::string>& overrides = {});
 
 /// The rig file with the overrides applied, as TOML.

@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -45,6 +46,12 @@ constexpr std::array<Word<model::Arrangement>, 3> kArrangementWords{
      {"two_pairs", model::Arrangement::kTwoPairs}}};
 
 constexpr double kSteepest = 1.5;  // [rad], short of a quarter turn
+
+std::string rounded(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
 
 bool made_of(const std::string& text, std::string_view alphabet, std::size_t longest) {
   return !text.empty() && text.size() <= longest &&
@@ -154,15 +161,15 @@ void read_structure(TomlReader& reader, model::UmbrellaParameters::Structure& st
   table.number("inertia_z_kgm2", structure.inertia_z, kNotNegative);
   table.number("damping_nms_per_rad", structure.damping, kNotNegative);
 
-  // A point mass has just m r^2; leave it its rounding.
-  const double least = structure.mass * structure.cm_height * structure.cm_height * (1.0 - 1e-12);
+  const double least = structure.mass * structure.cm_height * structure.cm_height;
   for (const auto& [key, inertia] : {std::pair{"structure.inertia_x_kgm2", structure.inertia_x},
                                      std::pair{"structure.inertia_y_kgm2", structure.inertia_y}}) {
-    if (inertia < least) {
+    // A point mass has just the least: leave it its rounding.
+    if (inertia < least * (1.0 - 1e-12)) {
       reader.mistake({key, "structure.mass_kg", "structure.cm_height_m"},
                      '`' + std::string(key) + "` is about the ground pivot: expected at least " +
-                         "mass_kg * cm_height_m^2 = " + toml_number(least) + ", found " +
-                         toml_number(inertia));
+                         "mass_kg * cm_height_m^2 = " + rounded(least) + ", found " +
+                         rounded(inertia));
     }
   }
 }
@@ -273,7 +280,7 @@ model::GimballedParameters read_gimballed(TomlReader& reader) {
   if (count * p.gyros.mass >= p.structure.mass) {
     reader.mistake({"structure.mass_kg", "gyros.mass_kg", "gimballed.arrangement"},
                    "`structure.mass_kg` counts everything and must exceed the " +
-                       std::to_string(count) + " gyro units' " + toml_number(count * p.gyros.mass) +
+                       std::to_string(count) + " gyro units' " + rounded(count * p.gyros.mass) +
                        " kg");
   }
   const double least = p.structure.mass * p.structure.cm_height * p.structure.cm_height;
@@ -281,8 +288,7 @@ model::GimballedParameters read_gimballed(TomlReader& reader) {
     reader.mistake({"structure.inertia_tilt_kgm2", "structure.mass_kg", "structure.cm_height_m"},
                    "`structure.inertia_tilt_kgm2` is about the support: it must exceed mass_kg * "
                    "cm_height_m^2 = " +
-                       toml_number(least) +
-                       ", or nothing is left for the chassis without its gyros");
+                       rounded(least) + ", or nothing is left for the chassis without its gyros");
   }
   return p;
 }

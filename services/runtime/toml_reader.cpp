@@ -35,8 +35,8 @@ TomlReader::TomlReader(std::string_view text, std::string source,
     document_->file = toml::parse(text);
   } catch (const toml::parse_error& error) {
     const auto [line, column] = error.source().begin;
-    throw Error(source_ + ':' + std::to_string(line) + ':' + std::to_string(column) +
-                ": error: not TOML: " + std::string(error.description()));
+    throw Error(source_ + " cannot be used:\n" + source_ + ':' + std::to_string(line) + ':' +
+                std::to_string(column) + ": error: not TOML: " + std::string(error.description()));
   }
   for (const std::string& override_text : overrides) apply(override_text);
 }
@@ -99,8 +99,8 @@ void TomlReader::finish() {
   std::stable_sort(mistakes_.begin(), mistakes_.end(), [](const Mistake& a, const Mistake& b) {
     return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
   });
-  std::string text;
-  for (const Mistake& mistake : mistakes_) text += (text.empty() ? "" : "\n") + mistake.text;
+  std::string text = source_ + " cannot be used:";
+  for (const Mistake& mistake : mistakes_) text += '\n' + mistake.text;
   throw Error(text);
 }
 

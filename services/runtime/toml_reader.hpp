@@ -16,9 +16,6 @@
 
 namespace gyrotwin {
 
-/// Shortest text that reads back as the same number, with a point or exponent.
-std::string toml_number(double x);
-
 /// Numbers that a key takes; always finite ones.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
@@ -73,7 +70,7 @@ class TomlReader {
   /// @param overrides `table.key=value` texts, later ones win; what is no TOML value but one word
   /// is
   ///        a text
-  /// @throws Error when the document is not TOML
+  /// @throws Error with the place, when the document is not TOML
   TomlReader(std::string_view document, std::string source,
              const std::vector<std::string>& overrides);
   ~TomlReader();
@@ -88,7 +85,7 @@ class TomlReader {
   void mistake(std::initializer_list<std::string> paths, const std::string& text);
 
   /// After everything was read: looks for unknown and missing keys too.
-  /// @throws Error with all mistakes, one a line, if there are any
+  /// @throws Error with all mistakes, each on a line of its own, if there are any
   void finish();
 
   /// All keys that were read, in that order.

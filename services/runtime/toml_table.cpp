@@ -10,6 +10,15 @@ namespace gyrotwin {
 
 namespace {
 
+/// Shortest text that reads back as the same number, with a point or exponent.
+std::string toml_number(double x) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
+  std::string number(text.data(), end);
+  if (number.find_first_of(".en") == std::string::npos) number += ".0";
+  return number;
+}
+
 std::string toml_text(std::string_view text) {
   std::string quoted = "\"";
   for (const char c : text) {
@@ -38,14 +47,6 @@ std::optional<double> number_in(const toml::node& node) {
 }
 
 }  // namespace
-
-std::string toml_number(double x) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-  std::string number(text.data(), end);
-  if (number.find_first_of(".en") == std::string::npos) number += ".0";
-  return number;
-}
 
 bool Range::contains(double x) const noexcept {
   return std::isfinite(x) && (above_low ? x > low : x >= low) && x <= high;

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <regex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "services/runtime/datagram.hpp"
@@ -51,15 +51,16 @@ std::string content(const std::string& path) {
   return text.str();
 }
 
-/// The datagram of messages/README.md: lines of `offset  byte byte ...  comment`.
+/// The datagram of messages/README.md: lines of four digits of offset, two blanks, up to eight
+/// bytes.
 Bytes readme_datagram() {
+  constexpr std::string_view kDigits = "0123456789abcdef";
   Bytes bytes;
   std::istringstream lines(content(kReadme));
-  const std::regex row("^[0-9a-f]{4}  ((?:[0-9a-f]{2} )*[0-9a-f]{2})(?:  .*)?$");
-  std::smatch match;
   for (std::string line; std::getline(lines, line);) {
-    if (!std::regex_match(line, match, row)) continue;
-    std::istringstream pairs(match[1]);
+    if (line.size() < 8 || line.find_first_not_of(kDigits) != 4 || line.substr(4, 2) != "  ")
+      continue;
+    std::istringstream pairs(line.substr(6, 23));
     for (unsigned byte = 0; pairs >> std::hex >> byte;) {
       bytes.push_back(static_cast<std::uint8_t>(byte));
     }

@@ -79,8 +79,8 @@ TEST_F(KeyTest, LoadsWhatIsWritten) {
 TEST_F(KeyTest, RefusesWhatIsNoKey) {
   const std::string z = kHex.substr(1);
   for (const std::string& bad :
-       {std::string(), kHex, kHex + "\n\n", kHex + "0\n", z + "\n", "g" + z + "\n", z + "\n ",
-        kHex + "\r\n", std::string(1000, 'a')}) {
+       {std::string(), kHex, kHex + " ", kHex + "\n\n", kHex + "0\n", z + "\n", "g" + z + "\n",
+        z + "\n ", kHex + "\r\n", std::string(1000, 'a')}) {
     const fs::path path = file(bad);
     EXPECT_TRUE(contains(refusal(path), path.string() + ": expected 64 hex digits")) << bad;
     EXPECT_TRUE(contains(refusal(path), "`gyrotwin key new --rig rig`")) << bad;

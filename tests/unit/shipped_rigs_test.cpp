@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "services/runtime/error.hpp"
 #include "services/runtime/rig.hpp"
 #include "services/runtime/rig_reader.hpp"
 
@@ -135,13 +136,25 @@ TEST(ShippedRigs, InitialStateFitsTheMachineThatIsBuilt) {
   }
 }
 
-/// The coordinates that the reader tells of are those of the model.
-TEST(ShippedRigs, CoordinatesAreTheModels) {
-  for (const std::string mount : {"level", "universal_joint", "rigid"}) {
-    const std::string q = mount == "universal_joint" ? "[0,0,0,0,0,0]" : "[0,0,0,0]";
-    const Rig rig =
-        load_rig("prototype_b", {"umbrella.mount=" + mount, "initial.q=" + q, "initial.v=" + q});
-    EXPECT_EQ(rig.build_machine().layout.names.size(), rig.initial_q.size()) << mount;
+TEST(ShippedRigs, ReaderNamesTheCoordinatesOfTheModel) {
+  const std::map<std::string, std::string> kinds{
+      {"umbrella.mount=level", "prototype_b"},
+      {"umbrella.mount=rigid", "prototype_b"},
+      {"umbrella.mount=universal_joint", "prototype_b_sleeping"},
+      {"gimballed.arrangement=single", "gyrocar"},
+      {"gimballed.arrangement=pair", "gyrocar"},
+      {"gimballed.arrangement=two_pairs", "double_brennan"}};
+  for (const auto& [kind, rig] : kinds) {
+    std::string names;
+    for (const std::string& name : load_rig(rig, {kind}).build_machine().layout.names) {
+      names += (names.empty() ? "(" : ", ") + name;
+    }
+    try {
+      load_rig(rig, {kind, "initial.q=[]"});
+      FAIL() << kind;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(names + ')'), std::string::npos) << error.what();
+    }
   }
 }
 

@@ -1,0 +1,126 @@
+// A running system for a test: daemons as processes, the front command, and an ear on the bus.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "services/runtime/key.hpp"
+#include "services/runtime/rig_bus.hpp"
+#include "tests/support/process.hpp"
+
+namespace gyrotwin::support {
+
+/// One rig's processes and its bus. Runs in a network namespace of the test's own.
+class Lab {
+ public:
+  explicit Lab(const std::string& rig_name, std::vector<std::string> overrides = {})
+      : name_(rig_name), overrides_(std::move(overrides)), folder_(make_folder()) {
+    ::setenv("GYROTWIN_KEYS", folder_.c_str(), 1);
+    rig = load_rig(name_, overrides_);
+    if (rig.network.sign) create_key(key_path(rig.name));
+    bus = std::make_unique<Bus>(bus_config(rig, header_t::OPERATOR));
+  }
+  ~Lab() {
+    integrator.reset();
+    controller.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  /// `gyrotwin-PROGRAM ARGUMENTS --rig ... --set ...` of the build under test.
+  std::unique_ptr<Process> start(const std::string& program,
+                                 const std::vector<std::string>& arguments = {}) {
+    std::vector<std::string> words{std::string(GYROTWIN_BIN) + "/gyrotwin-" + program};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    words.insert(words.end(), {"--rig", name_});
+    for (const std::string& key : overrides_) words.insert(words.end(), {"--set", key});
+    return std::make_unique<Process>(words, folder_ / (program + std::to_string(++started_)));
+  }
+
+  /// A client from start to end. @return its exit code; `said` has its output.
+  int run(const std::string& program, const std::vector<std::string>& arguments) {
+    const auto client = start(program, arguments);
+    const int code = client->wait();
+    said = client->output();
+    return code;
+  }
+
+  void start_daemons() {
+    integrator = start("integrator");
+    controller = start("controller");
+    ASSERT_EQ(run("ctl", {"wait", "ready", "--timeout", "30"}), 0)
+        << said << integrator->output() << controller->output();
+  }
+
+  /// Slowed down, so that a busy machine's pauses are short in the owner's time.
+  void balance(double speed = 0.25) {
+    if (rig.loop.clock == ClockMode::kRealtime) {
+      ASSERT_EQ(run("ctl", {"speed", std::to_string(speed)}), 0) << said;
+    }
+    arm();
+    ASSERT_EQ(run("ctl", {"wait", "balanced", "--timeout", "60"}), 0)
+        << said << integrator->output() << controller->output();
+  }
+
+  void arm() {
+    ASSERT_EQ(run("ctl", {"wait", "ready", "--timeout", "30"}), 0) << said;
+    ASSERT_EQ(run("ctl", {"arm"}), 0) << said;
+  }
+
+  /// Hands receptions to `done` until it returns true. @return false after `limit_s` of wall time
+  template <class Done>
+  bool until(Done&& done, double limit_s = 30.0) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit_s);
+    while (std::chrono::steady_clock::now() < end) {
+      while (const auto reception = bus->receive()) {
+        if (done(*reception)) return true;
+      }
+      bus->wait(10'000'000);
+    }
+    return false;
+  }
+
+  /// Waits for a STATUS of the owner that satisfies `holds`, and returns the last one heard.
+  template <class Holds>
+  status_t await_status(Holds&& holds, double limit_s = 30.0) {
+    status_t status{};
+    const bool came = until(
+        [&](const Reception& reception) {
+          if (reception.channel != Channel::kIntegratorStatus) return false;
+          Bus::decode(reception, status);
+          return holds(status);
+        },
+        limit_s);
+    EXPECT_TRUE(came) << "mode " << status.mode << " " << status.text;
+    return status;
+  }
+  status_t await_mode(std::int32_t mode, double limit_s = 30.0) {
+    return await_status([mode](const status_t& s) { return s.mode == mode; }, limit_s);
+  }
+
+  const std::filesystem::path& folder() const { return folder_; }
+
+  Rig rig;
+  std::unique_ptr<Bus> bus;
+  std::unique_ptr<Process> integrator, controller;
+  std::string said;
+
+ private:
+  static std::filesystem::path make_folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "gyrotwin-XXXXXX").string();
+    return ::mkdtemp(pattern.data());
+  }
+
+  std::string name_;
+  std::vector<std::string> overrides_;
+  std::filesystem::path folder_;
+  int started_ = 0;
+};
+
+}  // namespace gyrotwin::support

@@ -1,0 +1,117 @@
+// The main job through the front door: arm, balance, push, recover, lose the controller, come back.
+#include <gtest/gtest.h>
+
+#include "tests/support/lab.hpp"
+
+namespace gyrotwin {
+namespace {
+
+using support::Lab;
+
+class Balance : public testing::TestWithParam<const char*> {};
+
+TEST_P(Balance, APushTiltsItAndItReturns) {
+  Lab lab(GetParam());
+  ASSERT_NO_FATAL_FAILURE(lab.start_daemons());
+  ASSERT_NO_FATAL_FAILURE(lab.balance());
+
+  const auto push = lab.start("disturb", {"impulse", "--watch", "0"});
+  double peak = 0.0;
+  const auto tilt_in = [](const Reception& reception) {
+    state_t state;
+    Bus::decode(reception, state);
+    return std::hypot(state.tilt_rad[0], state.tilt_rad[1]);
+  };
+  // 2 degrees and more, then less than 1 degree again.
+  EXPECT_TRUE(lab.until([&](const Reception& reception) {
+    if (reception.channel != Channel::kState) return false;
+    peak = std::max(peak, tilt_in(reception));
+    return peak > 0.035;
+  })) << "peak "
+      << peak;
+  EXPECT_EQ(push->wait(), 0) << push->output();
+  EXPECT_TRUE(lab.until(
+      [&](const Reception& reception) {
+        if (reception.channel != Channel::kState) return false;
+        const double tilt = tilt_in(reception);
+        peak = std::max(peak, tilt);
+        return tilt < 0.017;
+      },
+      90.0));
+  EXPECT_LT(peak, 0.14);
+
+  EXPECT_EQ(lab.run("ctl", {"disarm"}), 0) << lab.said;
+  lab.integrator->signal(SIGTERM);
+  lab.controller->signal(SIGINT);
+  EXPECT_EQ(lab.integrator->wait(), 0) << lab.integrator->output();
+  EXPECT_EQ(lab.controller->wait(), 0) << lab.controller->output();
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, Balance,
+                         testing::Values("prototype_b", "prototype_b_sleeping", "double_brennan",
+                                         "brennan_monorail"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(Failure, WithoutItsControllerTheOwnerStopsSafelyAndADoubleBrennanFalls) {
+  Lab lab("double_brennan");
+  ASSERT_NO_FATAL_FAILURE(lab.start_daemons());
+  ASSERT_NO_FATAL_FAILURE(lab.balance());
+
+  lab.controller->signal(SIGKILL);
+  std::int64_t last_command = -1, first_stopped = -1;
+  ASSERT_TRUE(lab.until([&](const Reception& reception) {
+    if (reception.channel == Channel::kCommand) {
+      command_t command;
+      Bus::decode(reception, command);
+      last_command = command.for_tick;
+    } else if (reception.channel == Channel::kState) {
+      state_t state;
+      Bus::decode(reception, state);
+      if (state.mode == status_t::MODE_SAFE_STOP) first_stopped = state.header.tick;
+    }
+    return first_stopped >= 0;
+  }));
+  ASSERT_GE(last_command, 0);
+  // The STATE that says so closes the tick that began with the decision.
+  EXPECT_LE(first_stopped - 1 - last_command, 10);
+  const status_t stopped = lab.await_status([](const status_t& s) {
+    return s.mode == status_t::MODE_SAFE_STOP || s.mode == status_t::MODE_FALLEN;
+  });
+  EXPECT_NE(stopped.text[0], 0) << "STATUS says why";
+  lab.await_mode(status_t::MODE_FALLEN, 120.0);
+
+  lab.controller = lab.start("controller");
+  EXPECT_EQ(lab.run("ctl", {"arm"}), 1) << "only after a reset";
+  EXPECT_EQ(lab.run("ctl", {"reset"}), 0) << lab.said;
+  ASSERT_NO_FATAL_FAILURE(lab.balance());
+}
+
+TEST(Failure, ASecondOwnerDoesNotStart) {
+  Lab lab("prototype_b");
+  ASSERT_NO_FATAL_FAILURE(lab.start_daemons());
+  const auto second = lab.start("integrator");
+  EXPECT_EQ(second->wait(), 2);
+  EXPECT_NE(second->output().find(std::to_string(lab.integrator->pid())), std::string::npos)
+      << second->output();
+}
+
+TEST(Failure, ASecondControllerIsRefusedAndTheFirstGoesOn) {
+  Lab lab("prototype_b");
+  ASSERT_NO_FATAL_FAILURE(lab.start_daemons());
+  ASSERT_NO_FATAL_FAILURE(lab.balance());
+  const auto second = lab.start("controller");
+  const status_t status =
+      lab.await_status([](const status_t& s) { return s.refused_writer > 100; });
+  EXPECT_EQ(status.mode, status_t::MODE_RUNNING);
+}
+
+TEST(Failure, ArmingWithoutAControllerIsRefusedWithTheFix) {
+  Lab lab("prototype_b");
+  lab.integrator = lab.start("integrator");
+  ASSERT_EQ(lab.run("ctl", {"wait", "held", "--timeout", "20"}), 0) << lab.said;
+  EXPECT_EQ(lab.run("ctl", {"arm"}), 1);
+  EXPECT_NE(lab.said.find("gyrotwin-controller"), std::string::npos) << lab.said;
+}
+
+}  // namespace
+}  // namespace gyrotwin

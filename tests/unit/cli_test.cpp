@@ -1,0 +1,149 @@
+// What all programs share on their command lines: exit codes, messages, the options about the rig.
+#include "services/runtime/cli.hpp"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <stdexcept>
+
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+namespace {
+
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+/// Runs a small program with one option, one subcommand and the rig's options.
+Outcome run(std::vector<std::string> arguments, const std::function<int(const Rig&)>& body) {
+  CLI::App app("A program to try options with", "gyrotwin-trial");
+  const RigOptions rig(app);
+  double speed = 1.0;
+  app.add_option("--speed", speed, "Speed")->check(finite_within(0.01, 100.0));
+  app.add_subcommand("arm", "A verb");
+  arguments.insert(arguments.begin(), "gyrotwin-trial");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const int code = run_program(static_cast<int>(argv.size()), argv.data(), app,
+                               [&] { return body(rig.load()); });
+  return {code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
+}
+
+Outcome run(const std::vector<std::string>& arguments) {
+  return run(arguments, [](const Rig&) -> int { return kDone; });
+}
+
+TEST(RunProgram, ReturnsWhatTheBodyReturns) {
+  EXPECT_EQ(run({}).code, 0);
+  EXPECT_EQ(run({}, [](const Rig&) -> int { return kNotDone; }).code, 1);
+}
+
+TEST(RunProgram, HelpAndVersionAreAnswersNotErrors) {
+  const Outcome help = run({"--help"});
+  EXPECT_EQ(help.code, 0);
+  EXPECT_NE(help.out.find("--set KEY=VALUE"), std::string::npos) << help.out;
+  EXPECT_EQ(help.err, "");
+  const Outcome version = run({"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_EQ(version.out.find("gyrotwin-trial "), 0U) << version.out;
+}
+
+TEST(RunProgram, WrongUsageEndsWith2AndOneMessage) {
+  const Outcome unknown = run({"--sped", "3"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_EQ(unknown.err.find("gyrotwin-trial: error: "), 0U) << unknown.err;
+  EXPECT_NE(unknown.err.find("--sped"), std::string::npos) << unknown.err;
+  EXPECT_NE(unknown.err.find("`gyrotwin-trial --help`"), std::string::npos) << unknown.err;
+}
+
+TEST(RunProgram, ErrorEndsWith2) {
+  const Outcome outcome = run({}, [](const Rig&) -> int { throw Error("no such thing"); });
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "gyrotwin-trial: error: no such thing\n");
+}
+
+TEST(RunProgram, WhatGoesWrongWhileRunningEndsWith1) {
+  const Outcome outcome = run({}, [](const Rig&) -> int { throw std::runtime_error("lost it"); });
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "gyrotwin-trial: error: lost it\n");
+}
+
+TEST(FiniteWithin, RefusesWhatIsNoNumberInTheRange) {
+  for (const char* text : {"nan", "inf", "-inf", "-1", "0", "101", "fast", "1x", ""}) {
+    const Outcome outcome = run({"--speed=" + std::string(text)});
+    EXPECT_EQ(outcome.code, 2) << text;
+  }
+  EXPECT_NE(run({"--speed", "nan"}).err.find("--speed: `nan` is no number from 0.01 to 100"),
+            std::string::npos);
+  for (const char* text : {"0.01", "100", "1e1", "3"}) {
+    EXPECT_EQ(run({"--speed", text}).code, 0) << text;
+  }
+}
+
+TEST(RigOptions, DefaultIsPrototypeB) {
+  std::string name;
+  run({}, [&](const Rig& rig) {
+    name = rig.name;
+    return 0;
+  });
+  EXPECT_EQ(name, "prototype_b");
+}
+
+TEST(RigOptions, EnvironmentNamesTheRigUnlessTheCommandLineDoes) {
+  std::string name;
+  const auto remember = [&](const Rig& rig) {
+    name = rig.name;
+    return 0;
+  };
+  ::setenv("GYROTWIN_RIG", "gooch", 1);
+  run({}, remember);
+  EXPECT_EQ(name, "gooch");
+  run({"--rig", "townsend"}, remember);
+  EXPECT_EQ(name, "townsend");
+  ::unsetenv("GYROTWIN_RIG");
+}
+
+TEST(RigOptions, OverridesRepeatAndKeepListsWhole) {
+  Rig seen;
+  const Outcome outcome = run({"--set", "controller.gain=[1, 2,3]", "--set=loop.rate_hz=500", "arm",
+                               "--set", "umbrella.mount=rigid"},
+                              [&](const Rig& rig) {
+                                seen = rig;
+                                return 0;
+                              });
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(seen.controller.gain, (std::vector<double>{1.0, 2.0, 3.0}));
+  EXPECT_EQ(seen.loop.rate_hz, 500.0);
+  EXPECT_EQ(std::get<model::UmbrellaParameters>(seen.machine).mount, model::Mount::kRigid);
+}
+
+TEST(RigOptions, CheckAnswersWithoutRunning) {
+  const auto never = [](const Rig&) -> int {
+    ADD_FAILURE();
+    return 0;
+  };
+  const Outcome good = run({"--check-config"}, never);
+  EXPECT_EQ(good.code, 0);
+  EXPECT_TRUE(good.out.ends_with("/prototype_b.toml: ok\n")) << good.out;
+
+  const Outcome bad =
+      run({"--check-config", "--set", "loop.rate_hz=-1", "--set", "disc.mass=1"}, never);
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_EQ(bad.out, "");
+  EXPECT_EQ(bad.err.substr(bad.err.find(" cannot be used")),
+            " cannot be used:\n"
+            "--set disc.mass: error: unknown key `disc.mass`; did you mean `disc.mass_kg`?\n"
+            "--set loop.rate_hz: error: `loop.rate_hz` is -1, expected a number from 1 to 10000\n");
+
+  const Outcome printed = run({"--print-config", "--set", "loop.rate_hz=500"}, never);
+  EXPECT_EQ(printed.code, 0);
+  EXPECT_NE(printed.out.find("\nrate_hz = 500.0\n"), std::string::npos) << printed.out;
+}
+
+}  // namespace
+}  // namespace gyrotwin
