@@ -28,7 +28,7 @@ void send_state(benchmark::State& run) {
   Bus bus(config(run.range(0) != 0));
   auto state = distinct<state_t>();
   Stamp stamp{.epoch = 1};
-  for (auto _ : run) {
+  for ([[maybe_unused]] auto _ : run) {
     bus.send(Channel::kState, state, stamp);
     ++stamp.sequence;
   }
@@ -69,7 +69,7 @@ void parse_state(benchmark::State& run) {
                     frame.begin() + static_cast<std::ptrdiff_t>(at));
   const std::span<const std::uint8_t> datagram(frame.data(), at + kWireSize<state_t>);
   format.sign(frame, datagram.size());
-  for (auto _ : run) benchmark::DoNotOptimize(format.parse(datagram));
+  for ([[maybe_unused]] auto _ : run) benchmark::DoNotOptimize(format.parse(datagram));
 }
 BENCHMARK(parse_state)->ArgName("signed")->Arg(0)->Arg(1);
 
@@ -227,7 +227,7 @@ void round_trip(benchmark::State& run) {
     BusTrip signed_bus(second);
     LiblcmTrip liblcm(config(false));
     std::vector<double> raw_us, bus_us, signed_us, liblcm_us;
-    for (auto _ : run) {
+    for ([[maybe_unused]] auto _ : run) {
       raw_us.push_back(timed(raw));
       bus_us.push_back(timed(bus));
       signed_us.push_back(timed(signed_bus));

@@ -21,8 +21,8 @@ namespace {
 
 #else
 
-// glibc's own, under the names it keeps for those who take the public ones. operator new calls
-// malloc.
+// glibc's own, under the names it keeps for those who take the public ones; operator new calls it.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);

@@ -4,10 +4,8 @@
 
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <vector>
 
-#include "services/runtime/error.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/distinct.hpp"
 #include "tests/support/raw_peer.hpp"
@@ -33,20 +31,6 @@ std::vector<std::int64_t> drain(Bus& bus) {
     sequences.push_back(state.header.sequence);
   }
   return sequences;
-}
-
-/// What the constructor says against a configuration.
-std::string refusal(const BusConfig& config) {
-  try {
-    const Bus bus(config);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 class BusTest : public ::testing::TestWithParam<bool> {
@@ -299,95 +283,11 @@ TEST(BusFlood, WhatTheKernelDropsIsCounted) {
   EXPECT_EQ(ears.counters().gaps[kStateSlot], ears.counters().kernel_dropped);
 }
 
-TEST(BusSetup, WaitsNoLongerThanAsked) {
+TEST(BusWait, WaitsNoLongerThanAsked) {
   Bus bus(test_config());
   EXPECT_FALSE(bus.wait(1000));
   EXPECT_FALSE(bus.wait(0));
   EXPECT_FALSE(bus.wait(-5));
-}
-
-TEST(BusSetup, NamesTheInterfaceThatIsMissing) {
-  BusConfig config = test_config();
-  config.interface = "lab7";
-  const std::string text = refusal(config);
-  EXPECT_TRUE(contains(text, "`lab7`, which does not exist")) << text;
-  EXPECT_TRUE(contains(text, "this host has: lo")) << text;
-  EXPECT_TRUE(contains(text, "network.interface")) << text;
-}
-
-TEST(BusSetup, RefusesWhatIsNoMulticastAddress) {
-  for (const char* group : {"", "host", "192.0.2.1", "240.0.0.1", "ff02::1", "239.1.2"}) {
-    BusConfig config = test_config();
-    config.group = group;
-    EXPECT_TRUE(contains(refusal(config), "network.group is `")) << group;
-  }
-  for (const int port : {-1, 0, 65536}) {
-    BusConfig config = test_config();
-    config.port = port;
-    EXPECT_TRUE(contains(refusal(config), "network.port is " + std::to_string(port)));
-  }
-  for (const int ttl : {-1, 256}) {
-    BusConfig config = test_config(test_key());
-    config.ttl = ttl;
-    EXPECT_TRUE(contains(refusal(config), "network.ttl is " + std::to_string(ttl)));
-  }
-}
-
-TEST(BusSetup, RefusesToSendUnsignedBeyondThisHost) {
-  BusConfig config = test_config();
-  config.ttl = 1;
-  EXPECT_TRUE(contains(refusal(config), "network.sign = false")) << refusal(config);
-  config.key = test_key();
-  EXPECT_EQ(refusal(config), "accepted");
-}
-
-TEST(BusSetup, ChannelNamesAreOfTheAlphabetAndFit) {
-  for (const std::string& prefix : {std::string(), std::string("test"), std::string("A.B"),
-                                    std::string("A B"), std::string("A*"), std::string(46, 'A')}) {
-    BusConfig config = test_config();
-    config.prefix = prefix;
-    EXPECT_TRUE(contains(refusal(config), "network.prefix is `")) << prefix;
-  }
-  // 45 characters, `/` and CONTROLLER/STATUS make 63.
-  BusConfig config = test_config();
-  config.prefix = std::string(45, 'A');
-  Bus ears(config);
-  Bus mouth(config);
-  status_t status{};
-  mouth.send(Channel::kControllerStatus, status, {});
-  EXPECT_TRUE(receive_soon(ears));
-}
-
-TEST(BusSetup, RefusesAPortThatIsNotShared) {
-  const BusConfig config = test_config();
-  const Descriptor taken(::socket(AF_INET, SOCK_DGRAM, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(config.port));
-  ASSERT_EQ(bind(taken.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  EXPECT_TRUE(contains(refusal(config), "UDP port " + std::to_string(config.port)));
-  EXPECT_TRUE(contains(refusal(config), "network.port")) << refusal(config);
-}
-
-TEST(BusSetup, UnicastAndOtherGroupsDoNotReachIt) {
-  BusConfig other = test_config();
-  other.group = "239.195.251.251";
-  Bus ears(test_config());
-  Bus ears_of_other(other);  // joins on the same port
-  Bus mouth_of_other(other);
-  send_state(mouth_of_other, 1, 0);
-  ASSERT_TRUE(receive_soon(ears_of_other));
-
-  BusConfig unicast = test_config();
-  unicast.group = "127.0.0.1";
-  RawPeer(unicast).send(Bytes{1, 2, 3});
-
-  Bus mouth(test_config());
-  send_state(mouth, 1, 0);
-  ASSERT_TRUE(receive_soon(ears));
-  drain(ears);
-  EXPECT_EQ(ears.counters().received[kStateSlot], 1);
-  EXPECT_EQ(ears.counters().malformed, 0);
 }
 
 }  // namespace
