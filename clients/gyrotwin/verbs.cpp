@@ -36,7 +36,7 @@ std::string front_page() {
          "  gyrotwin key new\n"
          "  gyrotwin integrator &\n"
          "  gyrotwin controller &\n"
-         "  gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
+         "  gyrotwin ctl wait ready && gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
          "  gyrotwin disturb impulse\n";
 }
 

@@ -71,10 +71,10 @@ class LiblcmController {
 };
 
 TEST(Peers, ALiblcmProgramBalancesTheRigWhileLcmLoggerRecords) {
-  Lab lab("double_brennan", {"network.sign=false"});
+  // Lockstep waits for the program however long this machine keeps it from running.
+  Lab lab("double_brennan", {"network.sign=false", "loop.clock=lockstep"});
   lab.integrator = lab.start("integrator");
-  ASSERT_EQ(lab.run("ctl", {"wait", "held", "--timeout", "20"}), 0) << lab.said;
-  ASSERT_EQ(lab.run("ctl", {"speed", "0.25"}), 0) << lab.said;
+  ASSERT_EQ(lab.run("ctl", {"wait", "held", "--timeout", "30"}), 0) << lab.said;
   const std::filesystem::path log = lab.folder() / "record.lcm";
   support::Process logger({"/usr/bin/lcm-logger", "--lcm-url=" + url(lab.rig), log.string()},
                           lab.folder() / "logger.txt");
@@ -85,7 +85,7 @@ TEST(Peers, ALiblcmProgramBalancesTheRigWhileLcmLoggerRecords) {
   double tilt = 1.0;
   int asked = 0;
   // Ten simulated seconds; the request is repeated like any request that may get lost.
-  for (int i = 0; i < 60'000 && tick < 5000 && mode <= status_t::MODE_RUNNING; ++i) {
+  for (int i = 0; i < 60'000 && tick < 5000; ++i) {
     controller.handle();
     if (mode == status_t::MODE_HELD && controller.owner_epoch() >= 0 && ++asked % 40 == 0) {
       controller.arm();
