@@ -5,7 +5,7 @@
 namespace gyrotwin {
 
 std::string applied_line(const Verb& verb, const reply_t& reply) {
-  const std::string line =
+  std::string line =
       fmt::format("{}{}{}", verb.done, verb.done.empty() ? "" : ": ", get_text(reply.text));
   // A reset begins a new count of ticks.
   if (verb.verb == request_t::RESET) return line;

@@ -2,7 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <vector>
+#include <algorithm>
 
 #include "services/runtime/spelling.hpp"
 
@@ -41,9 +41,9 @@ std::string front_page() {
 }
 
 std::string unknown_verb(std::string_view verb) {
-  std::vector<std::string_view> names;
-  for (const Program& p : kDaemons) names.push_back(p.name);
-  for (const Program& p : kClients) names.push_back(p.name);
+  std::array<std::string_view, kDaemons.size() + kClients.size()> names;
+  const auto clients = std::ranges::transform(kDaemons, names.begin(), &Program::name).out;
+  std::ranges::transform(kClients, clients, &Program::name);
   return fmt::format(
       "there is no verb `{}` (no program gyrotwin-{}); `gyrotwin --help` lists "
       "the verbs{}",

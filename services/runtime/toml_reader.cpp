@@ -26,6 +26,27 @@ std::optional<toml::table> value_table(const std::string& text) {
   return std::nullopt;
 }
 
+/// `.5` and `5.` are numbers to people; TOML wants a digit on both sides of the point.
+std::string with_digits_around_points(const std::string& text) {
+  const auto digit = [&text](std::size_t i) {
+    return i < text.size() && text[i] >= '0' && text[i] <= '9';
+  };
+  const auto ends_word = [&text](std::size_t i) {
+    return i >= text.size() || std::string_view(" ,]\teE").find(text[i]) != std::string_view::npos;
+  };
+  const auto begins_word = [&text](std::size_t i) {
+    return i == 0 || std::string_view(" ,[\t+-").find(text[i - 1]) != std::string_view::npos;
+  };
+  std::string full;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool point = text[i] == '.';
+    if (point && begins_word(i) && digit(i + 1)) full += '0';
+    full += text[i];
+    if (point && i > 0 && digit(i - 1) && ends_word(i + 1)) full += '0';
+  }
+  return full;
+}
+
 }  // namespace
 
 TomlReader::TomlReader(std::string_view text, std::string source,
@@ -51,7 +72,9 @@ void TomlReader::apply(const std::string& override_text) {
     return note(path, {}, "no value; write `--set table.key=value`");
   }
   const std::string text = override_text.substr(equals + 1);
-  if (std::optional<toml::table> value = value_table(text)) {
+  const bool quoted = text.find_first_of("\"'") != std::string::npos;
+  if (std::optional<toml::table> value =
+          value_table(quoted ? text : with_digits_around_points(text))) {
     document_->overrides[path] = std::move(*value);
     return;
   }

@@ -242,6 +242,16 @@ TEST(Override, GivesAListAndAKeyThatTheFileLacks) {
   EXPECT_EQ(rig.controller.gain, (std::vector<double>{72.24, 1.726, -20.0, 0.2062}));
 }
 
+TEST(Override, TakesNumbersAsPapersPrintThem) {
+  const Rig rig = load_rig("double_brennan", {"controller.gain=[72.24,1.726,-20,.2062]",
+                                              "loop.rate_hz=500.", "network.group=239.255.71.9"});
+  EXPECT_EQ(rig.controller.gain, (std::vector<double>{72.24, 1.726, -20.0, 0.2062}));
+  EXPECT_EQ(rig.loop.rate_hz, 500.0);
+  EXPECT_EQ(rig.network.group, "239.255.71.9");
+  EXPECT_EQ(load_rig("double_brennan", {"controller.tilt_max_rad=.5e-1"}).controller.tilt_max,
+            0.05);
+}
+
 TEST(Override, MistakesAreToldByTheirKey) {
   const std::string text = text_of(rig_folder() / "prototype_b.toml");
   const std::map<std::string, std::string> expected{
