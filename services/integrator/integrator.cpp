@@ -58,9 +58,9 @@ void Integrator::enter(Event event, std::string_view why) noexcept {
 
 void Integrator::notice(Event event, std::string_view why) noexcept { enter(event, why); }
 
-void Integrator::on_command(const command_t& command) noexcept {
-  if (mode_ != Mode::kRunning && mode_ != Mode::kPaused) return;
-  gate_.offer(command, tick_);
+bool Integrator::on_command(const command_t& command) noexcept {
+  const bool wanted = mode_ == Mode::kRunning || mode_ == Mode::kPaused;
+  return wanted && gate_.offer(command, tick_);
 }
 
 model::Input Integrator::commanded() noexcept {
@@ -90,7 +90,7 @@ model::Input Integrator::safe_stop() const noexcept {
 
 void Integrator::advance() noexcept {
   if (!ticks(mode_)) return;
-  if (mode_ == Mode::kRunning && rig_.loop.clock == ClockMode::kRealtime && gate_.lost(tick_)) {
+  if (command_lost()) {
     enter(Event::kCommandLost,
           "no valid command in time; start the controller, then reset and arm");
   }

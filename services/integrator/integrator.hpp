@@ -60,7 +60,8 @@ class Integrator {
   /// @param epoch random, of the first run
   Integrator(const Rig& rig, std::int64_t epoch);
 
-  void on_command(const command_t& command) noexcept;
+  /// @return whether the command is accepted
+  bool on_command(const command_t& command) noexcept;
   /// Does what is asked, or not; fills everything of `reply` but header and mac. A request that was
   /// answered already (same writer and counter) gets the same answer and is not done again.
   void on_request(const request_t& request, const Surroundings& surroundings,
@@ -77,6 +78,10 @@ class Integrator {
   double speed() const noexcept { return speed_; }
   /// The command for the present tick has come (lockstep).
   bool answered() const noexcept { return gate_.answered(tick_); }
+  /// The next advance() would be a safe stop for want of commands (realtime).
+  bool command_lost() const noexcept {
+    return mode_ == Mode::kRunning && rig_.loop.clock == ClockMode::kRealtime && gate_.lost(tick_);
+  }
   /// Stands still until the controller answers (lockstep).
   bool waiting_for_controller() const noexcept { return waiting_for_controller_; }
   const Plant& plant() const noexcept { return plant_; }

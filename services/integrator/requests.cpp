@@ -49,7 +49,7 @@ bool refuse(reply_t& reply, fmt::format_string<Args...> why, Args&&... args) {
 
 void Integrator::on_request(const request_t& request, const Surroundings& surroundings,
                             reply_t& reply) noexcept {
-  const bool answered = last_reply_.result == reply_t::APPLIED &&
+  const bool answered = last_reply_.result != 0 &&
                         request.writer == last_reply_.request_writer &&
                         request.counter == last_reply_.request_counter;
   if (answered) {
@@ -70,7 +70,8 @@ void Integrator::on_request(const request_t& request, const Surroundings& surrou
     refuse(reply, "the counter was used already; count on");
     return;
   }
-  if (act(request, surroundings, reply)) last_reply_ = reply;
+  act(request, surroundings, reply);
+  last_reply_ = reply;
 }
 
 bool Integrator::act(const request_t& request, const Surroundings& surroundings,

@@ -78,7 +78,14 @@ bool IntegratorService::paced() const noexcept {
   return ticks(mode) && !(mode == Mode::kRunning && rig_.loop.clock == ClockMode::kLockstep);
 }
 
+/// Machines pause programs, by turns, for longer than a timeout of a few ticks. A simulated plant can
+/// stand still meanwhile: the timeout in ticks stays what it is, and the lost time is counted.
+bool IntegratorService::bridges_pause(std::int64_t now) const noexcept {
+  return integrator_.command_lost() && now - obeyed_at_ < rig_.loop.patience_ns();
+}
+
 bool IntegratorService::must_tick(std::int64_t now) const noexcept {
+  if (bridges_pause(now)) return false;
   if (paced()) return now >= pacer_.deadline();
   return ticks(integrator_.mode()) && integrator_.answered();
 }
@@ -94,6 +101,10 @@ void IntegratorService::tick(std::int64_t now) noexcept {
 
 /// Sleeps until there is something to do.
 void IntegratorService::rest(std::int64_t now) noexcept {
+  if (bridges_pause(now)) {
+    bus_.wait(kMillisecond);
+    return;
+  }
   if (paced()) {
     clock_.sleep_until(pacer_.deadline());
     return;
@@ -117,7 +128,7 @@ void IntegratorService::listen(std::int64_t now) noexcept {
         command_t command;
         Bus::decode(*reception, command);
         if (command.owner_epoch == integrator_.epoch()) controller_heard_ = now;
-        integrator_.on_command(command);
+        if (integrator_.on_command(command)) obeyed_at_ = now;
         break;
       }
       case Channel::kRequest: {
@@ -197,7 +208,7 @@ void IntegratorService::follow_mode(std::int64_t now) noexcept {
   if (mode == followed_mode_ && !new_run) return;
   if (!ticks(followed_mode_)) pacer_.anchor(now);
   followed_mode_ = mode;
-  asked_at_ = now;
+  asked_at_ = obeyed_at_ = now;
   publish_status();
   if (new_run || integrator_.sequence() != stamp_.sequence) publish(now);
   if (mode == Mode::kFault) log_history();

@@ -24,6 +24,7 @@ class IntegratorService {
 
  private:
   bool paced() const noexcept;
+  bool bridges_pause(std::int64_t now) const noexcept;
   bool must_tick(std::int64_t now) const noexcept;
   void tick(std::int64_t now) noexcept;
   void rest(std::int64_t now) noexcept;
@@ -55,6 +56,7 @@ class IntegratorService {
   Mode followed_mode_ = Mode::kHeld;    // what publish, pacer and STATUS have followed
   std::int64_t status_due_ = 0;         // wall time
   std::int64_t window_due_ = 0;         // wall time at which the statistics roll
+  std::int64_t obeyed_at_ = 0;          // wall time of the last accepted COMMAND, or of arming
   std::int64_t controller_heard_ = -1;  // wall time; -1: never
   std::int64_t other_owner_heard_ = -1;
   std::int64_t status_sequence_ = 0;

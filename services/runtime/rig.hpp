@@ -50,7 +50,9 @@ struct Rig {
     static constexpr int kMaxCommandDelay = 8;
     int command_delay_ticks = 0;  ///< a command acts this many ticks later
     OverrunPolicy overrun = OverrunPolicy::kSkip;
+    double patience_s = 0.1;  ///< realtime: simulated time may stand still that long for a command
     std::int64_t tick_ns() const { return std::llround(1e9 / rate_hz); }
+    std::int64_t patience_ns() const { return std::llround(1e9 * patience_s); }
     double tick_s() const { return 1e-9 * static_cast<double>(tick_ns()); }
   } loop;
 

@@ -108,6 +108,7 @@ void read_loop(TomlReader& reader, Rig::Loop& loop) {
   table.number("step_tolerance_rad", loop.step_tolerance, {0, 1, true});
   table.integer("command_delay_ticks", loop.command_delay_ticks, {0, Rig::Loop::kMaxCommandDelay});
   table.word("overrun", loop.overrun, kOverrunWords);
+  table.number("patience_s", loop.patience_s, {0, 10});
 }
 
 void read_safety(TomlReader& reader, Rig::Safety& safety, bool has_disc_drive) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -82,6 +83,52 @@ TEST(Reduced, NumbersOfTheShippedMachines) {
     EXPECT_NEAR(r.A, row.A, 5e-4 * row.A) << row.set;
     EXPECT_NEAR(r.stability_ratio(), row.ratio, 1e-3 * row.ratio) << row.set;
   }
+}
+
+/// To the digits of the rows, as above.
+TEST(Reduced, NumbersOfTheGimballedMachines) {
+  struct Row {
+    const char* set;
+    double A, J, U, H, ratio;
+  };
+  constexpr Row kRows[] = {{"brennan_monorail", 113643, 120.0, 493922, 55803, 52.5},
+                           {"double_brennan", 0.3600, 0.0044, 12.949, 5.278, 489},
+                           {"gyrocar", 350.7, 3.6, 4586.2, 3392.9, 697}};
+  for (const Row& row : kRows) {
+    const model::ReducedGimballed r = model::reduce(reference::gimballed(row.set));
+    EXPECT_NEAR(r.A, row.A, 5e-4 * row.A) << row.set;
+    EXPECT_NEAR(r.J, row.J, 5e-4 * row.J) << row.set;
+    EXPECT_NEAR(r.U, row.U, 5e-4 * row.U) << row.set;
+    EXPECT_NEAR(r.H, row.H, 5e-4 * row.H) << row.set;
+    EXPECT_NEAR(r.H * r.H / (r.J * r.U), row.ratio, 2e-3 * row.ratio) << row.set;
+  }
+}
+
+/// A th'' + cth th' - U th -+ H q' = M, J q'' + cq q' +- H th' = u is the machine near rest.
+TEST(Reduced, GimballedIsTheMachineNearRest) {
+  double worst = 0.0;
+  for (const char* set : {"brennan_monorail", "double_brennan", "gyrocar"}) {
+    const auto p = reference::gimballed(set);
+    const model::Machine machine = model::build(p);
+    const model::ReducedGimballed r = model::reduce(p);
+    const double sign = p.arrangement == model::Arrangement::kSingle ? -1.0 : 1.0;
+    const double th = 1e-7, q = -2e-7, th_t = 3e-7, q_t = -4e-7;
+    const int gimbal = machine.drives[0].coordinate;
+    model::State state = machine.state({}, {});
+    state.q[0] = th;
+    state.q[gimbal] = q;
+    state.v[0] = th_t;
+    state.v[gimbal] = q_t;
+    model::Input input;
+    input.drive[0] = 1e-7 * r.J;
+    input.moment.x() = 1e-7 * r.A;
+    const auto a = machine.acceleration(state, input);
+    const double tilting = (input.moment.x() - r.cth * th_t + r.U * th + sign * r.H * q_t) / r.A;
+    const double precessing = (input.drive[0] - r.cq * q_t - sign * r.H * th_t) / r.J;
+    worst =
+        std::max({worst, std::abs(a[0] / tilting - 1.0), std::abs(a[gimbal] / precessing - 1.0)});
+  }
+  EXPECT_LT(worst, 1e-11);  // measured 5.2e-14
 }
 
 TEST(Reduced, FreeMotion) {

@@ -109,7 +109,7 @@ const Mistake kMistakes[] = {
     {"GroupThatIsNoMulticast", "prototype_b", "239.255.71.1", "192.168.1.1", "network", "group",
      "9: error: `network.group` is the text \"192.168.1.1\", expected an IPv4 multicast address, "
      "224.0.0.0 to 239.255.255.255"},
-    {"FractionForAnInteger", "prototype_b", "substeps = 10", "substeps = 2.5", "loop", "substeps",
+    {"FractionForAnInteger", "prototype_b", "substeps = 4", "substeps = 2.5", "loop", "substeps",
      "12: error: `loop.substeps` is 2.5, expected an integer from 1 to 1000"},
     {"NumberForAFlag", "prototype_b", "sign = true", "sign = 1", "network", "sign",
      "8: error: `network.sign` is 1, expected true or false"},
