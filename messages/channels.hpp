@@ -1,4 +1,5 @@
-// The one table of the wire: which channel carries which type. Normative text: README.md beside this file.
+// The one table of the wire: which channel carries which type. Normative text: README.md beside
+// this file.
 #pragma once
 
 #include <array>
@@ -32,7 +33,8 @@ inline constexpr std::size_t kChannelSlots = 16;
 /// Bytes of `byte mac[32]`, the last field of every message.
 inline constexpr std::size_t kMacSize = 32;
 
-/// Longest channel name, `<RIG>/` included, and longest datagram payload: one Ethernet frame, no IP fragment.
+/// Longest channel name, `<RIG>/` included, and longest datagram payload: one Ethernet frame, no IP
+/// fragment.
 inline constexpr std::size_t kMaxChannelName = 63;
 inline constexpr std::size_t kMaxDatagram = 1400;
 

@@ -3,22 +3,15 @@
 
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "messages/channels.hpp"
 #include "services/runtime/bus.hpp"
 #include "services/runtime/clock.hpp"
+#include "services/runtime/error.hpp"
 #include "services/runtime/rig.hpp"
 
 namespace gyrotwin {
-
-/// What was asked for did not come about: refused, not answered, not in time. what() says why and
-/// what to do; run_program() prints it and ends with kNotDone.
-class NotDone : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// One operator on one rig's bus. Not thread-safe; blocks up to the limits below.
 class Asker {

@@ -57,9 +57,8 @@ void ControllerService::on_state(const state_t& state, std::int64_t now) noexcep
 
 void ControllerService::on_owner(const status_t& status, std::int64_t now) noexcept {
   if (said_lost_ || status.header.epoch != owner_.header.epoch || status.mode != owner_.mode) {
-    daemon_.log(LogLevel::kInfo, "owner {} on {}: {} {}", status.pid,
-                reinterpret_cast<const char*>(status.host), mode_name(status.mode),
-                reinterpret_cast<const char*>(status.text));
+    daemon_.log(LogLevel::kInfo, "owner {} on {}: {} {}", status.pid, text_view(status.host),
+                mode_name(status.mode), text_view(status.text));
   }
   if (status.header.epoch != controller_.owner_epoch()) epoch_ = random_id();
   said_lost_ = false;
@@ -92,7 +91,7 @@ void ControllerService::report(std::int64_t now) noexcept {
   } else if (!active) {
     set_text(status.text, "the owner is {}", mode_name(owner_.mode));
   }
-  fill_process(status, bus_.counters());
+  fill_process(status, identity_, bus_.counters());
   status.compute_p50_ns = compute_.p50();
   status.compute_p99_ns = compute_.p99();
   status.compute_max_ns = compute_.max();

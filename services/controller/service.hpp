@@ -6,6 +6,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
 #include "services/runtime/histogram.hpp"
+#include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {
 
@@ -33,6 +34,7 @@ class ControllerService {
   std::int64_t epoch_;  // of what it sends; a new one for every run of the owner
   Controller controller_;
 
+  Identity identity_;
   status_t owner_{};               // the last STATUS of the owner
   std::int64_t owner_heard_ = -1;  // wall time; -1: never
   std::int64_t answered_at_ = -1;  // wall time of the last COMMAND

@@ -15,11 +15,6 @@ constexpr double kLyingTilt = 1.4;
 
 static_assert(Rig::Loop::kMaxCommandDelay == CommandGate::kMaxDelay);
 
-std::string_view view(const std::array<std::uint8_t, 96>& text) {
-  const char* begin = reinterpret_cast<const char*>(text.data());
-  return {begin, static_cast<std::size_t>(std::find(text.begin(), text.end(), 0) - text.begin())};
-}
-
 template <std::size_t N>
 void copy(const std::array<double, N>& from, double (&to)[N]) {
   std::copy(from.begin(), from.end(), std::begin(to));
@@ -36,6 +31,7 @@ Integrator::Integrator(const Rig& rig, std::int64_t epoch)
       plant_(machine_, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps}),
       gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
       epoch_(epoch) {
+  plant_.advance(input_);  // SUNDIALS allocates in its first step: now, before time counts
   plant_.set_state(machine_.state(rig.initial_q, rig.initial_v));
   truth_ = machine_.truth(plant_.state(), input_);
   gate_.reset(epoch);
@@ -50,10 +46,12 @@ void Integrator::enter(Event event, std::string_view why) noexcept {
     }
   }
   waiting_for_controller_ = event == Event::kNoController;
-  if (event != Event::kStep) steps_left_ = 0;
+  if (event == Event::kNoController) gate_.release();
+  const bool goes_on =
+      event == Event::kStep || event == Event::kNoController || event == Event::kControllerBack;
+  if (!goes_on) steps_left_ = 0;
   mode_ = *to;
-  why_.fill(0);
-  std::copy_n(why.begin(), std::min(why.size(), why_.size() - 1), why_.begin());
+  set_text(why_, "{}", why);
 }
 
 void Integrator::notice(Event event, std::string_view why) noexcept { enter(event, why); }
@@ -97,7 +95,7 @@ void Integrator::advance() noexcept {
   model::Input input = mode_ == Mode::kRunning ? commanded() : safe_stop();
   disturbances_.apply(tick_, input);
 
-  history_[tick_ % kHistory] = {tick_, plant_.state(), input};
+  history_[recorded_++ % kHistory] = {tick_, plant_.state(), input};
   if (!lying_ && !plant_.advance(input)) {
     enter(Event::kNotFinite,
           "the solver failed or the state is not finite; the log has the last ticks");
@@ -143,14 +141,14 @@ void Integrator::fill(truth_t& truth) const noexcept {
 void Integrator::fill(status_t& status) const noexcept {
   status.service = status_t::INTEGRATOR;
   status.mode = static_cast<std::int32_t>(mode_);
-  set_text(status.text, "{}", view(why_));
+  set_text(status.text, "{}", text_view(why_));
   status.speed_factor = speed_;
   status.tick_period_ns = rig_.loop.tick_ns();
   status.rhs_evaluations_max = evaluations_max_;
   status.command_writer = gate_.writer();
   status.command_counter = gate_.counter();
-  status.request_writer = last_reply_.request_writer;
-  status.request_counter = last_reply_.request_counter;
+  status.request_writer = request_writer_;
+  status.request_counter = request_counter_;
   const CommandGate::Refusals& refused = gate_.refusals();
   status.refused_not_finite = refused.not_finite;
   status.refused_epoch = refused.epoch;

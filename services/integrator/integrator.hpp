@@ -13,6 +13,7 @@
 #include "services/runtime/command_gate.hpp"
 #include "services/runtime/mode.hpp"
 #include "services/runtime/rig.hpp"
+#include "services/runtime/text.hpp"
 
 namespace gyrotwin {
 
@@ -30,27 +31,30 @@ struct TickRecord {
   model::Input input;
 };
 
-/// Last counters of those who have asked, so that a request recorded on the network and sent again
-/// does nothing. The longest silent one is forgotten first.
+/// The last answer to each of those who have asked. The longest silent one is forgotten first.
 class Askers {
  public:
-  /// Whether this writer has not used this counter or a higher one; remembers it.
-  bool newer(std::int64_t writer, std::int64_t counter) noexcept {
-    auto asker = std::find_if(askers_.begin(), askers_.end(),
-                              [writer](const Asker& a) { return a.used && a.writer == writer; });
-    if (asker != askers_.end() && counter <= asker->counter) return false;
-    if (asker == askers_.end()) asker = askers_.end() - 1;
-    std::move_backward(askers_.begin(), asker, asker + 1);
-    askers_.front() = {writer, counter, true};
-    return true;
+  /// The last answer to this writer, null when it has not asked before.
+  const reply_t* last(std::int64_t writer) const noexcept {
+    const auto asker = find(writer);
+    return asker == answers_.end() ? nullptr : &*asker;
+  }
+
+  void remember(const reply_t& answer) noexcept {
+    auto place = answers_.begin() + (find(answer.request_writer) - answers_.begin());
+    if (place == answers_.end()) --place;
+    std::move_backward(answers_.begin(), place, place + 1);
+    answers_.front() = answer;
   }
 
  private:
-  struct Asker {
-    std::int64_t writer = 0, counter = 0;
-    bool used = false;
-  };
-  std::array<Asker, 64> askers_;
+  std::array<reply_t, 64>::const_iterator find(std::int64_t writer) const noexcept {
+    return std::find_if(answers_.begin(), answers_.end(), [writer](const reply_t& answer) {
+      return answer.result != 0 && answer.request_writer == writer;
+    });
+  }
+
+  std::array<reply_t, 64> answers_{};
 };
 
 class Integrator {
@@ -63,7 +67,8 @@ class Integrator {
   /// @return whether the command is accepted
   bool on_command(const command_t& command) noexcept;
   /// Does what is asked, or not; fills everything of `reply` but header and mac. A request that was
-  /// answered already (same writer and counter) gets the same answer and is not done again.
+  /// answered already (same writer and counter) gets the same answer and is not done again; one
+  /// that was recorded on the network and comes again later (a lower counter) is refused.
   void on_request(const request_t& request, const Surroundings& surroundings,
                   reply_t& reply) noexcept;
   /// Something noticed on the bus or in the loop; `why` is shown in STATUS.
@@ -73,6 +78,8 @@ class Integrator {
   void advance() noexcept;
 
   Mode mode() const noexcept { return mode_; }
+  /// Why it is in this mode; empty where that needs no word.
+  std::string_view why() const noexcept { return text_view(why_); }
   std::int64_t tick() const noexcept { return tick_; }
   std::int64_t epoch() const noexcept { return epoch_; }
   double speed() const noexcept { return speed_; }
@@ -101,8 +108,8 @@ class Integrator {
   /// The last ticks, oldest first; fewer at the start of a run.
   template <class Visit>
   void visit_history(Visit visit) const {
-    const std::int64_t count = std::min<std::int64_t>(tick_, kHistory);
-    for (std::int64_t k = tick_ - count; k < tick_; ++k) visit(history_[k % kHistory]);
+    const std::int64_t first = std::max<std::int64_t>(0, recorded_ - kHistory);
+    for (std::int64_t k = first; k < recorded_; ++k) visit(history_[k % kHistory]);
   }
 
  private:
@@ -132,9 +139,10 @@ class Integrator {
   std::array<double, model::kMaxDrives> held_speed_{};  // of the drives when the safe stop began
   std::int64_t evaluations_max_ = 0;
   Askers askers_;
-  reply_t last_reply_{};
-  std::array<std::uint8_t, 96> why_{};
+  std::int64_t request_writer_ = 0, request_counter_ = 0;  // the last one that was applied
+  std::uint8_t why_[96] = {};
   std::array<TickRecord, kHistory> history_{};
+  std::int64_t recorded_ = 0;  // ticks of this run in history_, the one that failed included
 };
 
 }  // namespace gyrotwin

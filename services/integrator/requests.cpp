@@ -10,10 +10,11 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr double kSlowest = 0.01, kFastest = 100.0;  // speed factor
-constexpr std::int64_t kMostSteps = 1'000'000;       // [tick]
-constexpr double kLongest = 3600.0;                  // disturbance [s]
-constexpr double kStrongest = 1e9;                   // disturbance [N], [N m]
+constexpr double kSlowest = 0.01, kFastest = 100.0;        // speed factor
+constexpr std::int64_t kMostSteps = 1'000'000;             // [tick]
+constexpr double kLongest = 3600.0;                        // disturbance [s]
+constexpr std::int64_t kLastTick = 1'000'000'000'000'000;  // decades, and sums of it fit
+constexpr double kStrongest = 1e9;                         // disturbance [N], [N m]
 
 template <std::size_t N>
 bool all_within(const double (&x)[N], double limit) {
@@ -49,11 +50,9 @@ bool refuse(reply_t& reply, fmt::format_string<Args...> why, Args&&... args) {
 
 void Integrator::on_request(const request_t& request, const Surroundings& surroundings,
                             reply_t& reply) noexcept {
-  const bool answered = last_reply_.result != 0 &&
-                        request.writer == last_reply_.request_writer &&
-                        request.counter == last_reply_.request_counter;
-  if (answered) {
-    reply = last_reply_;  // asked again because the answer got lost
+  const reply_t* last = askers_.last(request.writer);
+  if (last != nullptr && last->request_counter == request.counter) {
+    reply = *last;  // asked again because the answer got lost
     return;
   }
   reply = {};
@@ -66,12 +65,15 @@ void Integrator::on_request(const request_t& request, const Surroundings& surrou
     refuse(reply, "meant for another run of this owner; ask again");
     return;
   }
-  if (!askers_.newer(request.writer, request.counter)) {
+  if (last != nullptr && request.counter < last->request_counter) {
     refuse(reply, "the counter was used already; count on");
     return;
   }
-  act(request, surroundings, reply);
-  last_reply_ = reply;
+  if (act(request, surroundings, reply)) {
+    request_writer_ = request.writer;
+    request_counter_ = request.counter;
+  }
+  askers_.remember(reply);
 }
 
 bool Integrator::act(const request_t& request, const Surroundings& surroundings,
@@ -136,7 +138,7 @@ bool Integrator::reset(const request_t& request, std::int64_t fresh_epoch,
   }
   enter(Event::kReset, "");
   epoch_ = fresh_epoch;
-  tick_ = 0;
+  tick_ = recorded_ = 0;
   lying_ = false;
   disturbances_.clear();
   gate_.reset(epoch_);
@@ -168,6 +170,7 @@ bool Integrator::disturb(const request_t& request, reply_t& reply) noexcept {
     return refuse(reply, "duration must be {} to {} s", step ? "0 (until clear)" : "more than 0",
                   kLongest);
   }
+  if (request.start_tick > kLastTick) return refuse(reply, "start ticks end at {}", kLastTick);
   if (request.start_tick != 0 && request.start_tick < tick_) {
     return refuse(reply, "tick {} is over, it is {} now", request.start_tick, tick_);
   }

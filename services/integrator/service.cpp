@@ -16,6 +16,8 @@ constexpr std::int64_t kStatusPeriod = kSecond / 10;
 constexpr std::int64_t kRepeat = 20 * kMillisecond;  // STATE while time stands still
 constexpr std::int64_t kPatience = 2 * kSecond;      // lockstep: then "waiting for controller"
 constexpr std::int64_t kHeardLately = kSecond;
+constexpr std::int64_t kLongestSleep =
+    10 * kMillisecond;  // then it listens, however long a tick is
 
 std::int32_t pace(ClockMode clock) {
   switch (clock) {
@@ -52,7 +54,7 @@ void IntegratorService::claim() {
       if (reception->channel != Channel::kIntegratorStatus) continue;
       status_t other;
       Bus::decode(*reception, other);
-      throw Error(
+      throw NotDone(
           fmt::format("rig {} is owned already by process {} on {}; stop that one first, or "
                       "give this rig a file with another id, port and prefix",
                       rig_.name, other.pid, get_text(other.host)));
@@ -65,6 +67,7 @@ void IntegratorService::run() noexcept {
   while (!daemon_.stopping()) {
     const std::int64_t now = clock_.now_ns();
     listen(now);
+    follow_pace(now);
     if (must_tick(now)) tick(now);
     follow_mode(now);
     report(now);
@@ -78,10 +81,19 @@ bool IntegratorService::paced() const noexcept {
   return ticks(mode) && !(mode == Mode::kRunning && rig_.loop.clock == ClockMode::kLockstep);
 }
 
-/// Machines pause programs, by turns, for longer than a timeout of a few ticks. A simulated plant can
-/// stand still meanwhile: the timeout in ticks stays what it is, and the lost time is counted.
+/// Machines pause programs, by turns, for longer than a timeout of a few ticks. A simulated plant
+/// can stand still meanwhile: the timeout in ticks stays what it is, and the lost time is counted.
 bool IntegratorService::bridges_pause(std::int64_t now) const noexcept {
   return integrator_.command_lost() && now - obeyed_at_ < rig_.loop.patience_ns();
+}
+
+/// Where wall time begins to make the ticks, or goes on to, the next one is a period away.
+void IntegratorService::follow_pace(std::int64_t now) noexcept {
+  if (paced() && !was_paced_) pacer_.anchor(now);
+  was_paced_ = paced();
+  const bool bridging = bridges_pause(now);
+  if (was_bridging_ && !bridging) pacer_.give_up_until(now);
+  was_bridging_ = bridging;
 }
 
 bool IntegratorService::must_tick(std::int64_t now) const noexcept {
@@ -101,21 +113,18 @@ void IntegratorService::tick(std::int64_t now) noexcept {
 
 /// Sleeps until there is something to do.
 void IntegratorService::rest(std::int64_t now) noexcept {
-  if (bridges_pause(now)) {
-    bus_.wait(kMillisecond);
-    return;
-  }
-  if (paced()) {
-    clock_.sleep_until(pacer_.deadline());
+  if (paced() && !bridges_pause(now)) {
+    clock_.sleep_until(std::min(pacer_.deadline(), now + kLongestSleep));
     return;
   }
   await_controller(now);
   if (now - sent_at_ >= kRepeat) send_state(now);
-  bus_.wait(sent_at_ + kRepeat - now);
+  bus_.wait(std::min(sent_at_ + kRepeat - now, kLongestSleep));
 }
 
 void IntegratorService::await_controller(std::int64_t now) noexcept {
-  if (integrator_.mode() == Mode::kRunning && now - asked_at_ >= kPatience) {
+  const bool lockstep = rig_.loop.clock == ClockMode::kLockstep;
+  if (lockstep && integrator_.mode() == Mode::kRunning && now - asked_at_ >= kPatience) {
     integrator_.notice(Event::kNoController, "waiting for controller");
     follow_mode(now);
   }
@@ -165,9 +174,9 @@ void IntegratorService::on_request(const request_t& request, std::int64_t now) n
   bus_.send(
       Channel::kReply, reply,
       {integrator_.epoch(), ++reply_sequence_, integrator_.tick(), integrator_.sim_time_ns()});
-  daemon_.log(reply.result == reply_t::APPLIED ? LogLevel::kInfo : LogLevel::kWarning,
-              "{}: {}{}", verb_name(request.verb), reply.result == reply_t::APPLIED ? "" : "refused: ",
-              reinterpret_cast<const char*>(reply.text));
+  const bool applied = reply.result == reply_t::APPLIED;
+  daemon_.log(applied ? LogLevel::kInfo : LogLevel::kWarning, "{}: {}{}", verb_name(request.verb),
+              applied ? "" : "refused: ", text_view(reply.text));
 }
 
 /// Own messages never come back, so whoever speaks as an owner is another one.
@@ -181,8 +190,8 @@ void IntegratorService::on_other_owner(const Reception& reception, std::int64_t 
   Bus::decode(reception, other);
   std::uint8_t why[96];
   set_text(why, "conflict: process {} on {:.24} owns this rig too", other.pid,
-           reinterpret_cast<const char*>(other.host));
-  integrator_.notice(Event::kConflict, reinterpret_cast<const char*>(why));
+           text_view(other.host));
+  integrator_.notice(Event::kConflict, text_view(why));
 }
 
 /// The present tick's messages, for the first time.
@@ -201,15 +210,17 @@ void IntegratorService::send_state(std::int64_t now) noexcept {
   sent_at_ = now;
 }
 
-/// A new mode or run is said at once; where time stood still, it goes on from now.
+/// A new mode or run is said at once.
 void IntegratorService::follow_mode(std::int64_t now) noexcept {
   const Mode mode = integrator_.mode();
   const bool new_run = integrator_.epoch() != stamp_.epoch;
   if (mode == followed_mode_ && !new_run) return;
-  if (!ticks(followed_mode_)) pacer_.anchor(now);
   followed_mode_ = mode;
   asked_at_ = obeyed_at_ = now;
   publish_status();
+  daemon_.log(mode == Mode::kFault ? LogLevel::kError : LogLevel::kInfo, "{} at tick {}{}{}",
+              name_of(mode), integrator_.tick(), integrator_.why().empty() ? "" : ": ",
+              integrator_.why());
   if (new_run || integrator_.sequence() != stamp_.sequence) publish(now);
   if (mode == Mode::kFault) log_history();
 }
@@ -218,7 +229,11 @@ void IntegratorService::publish_status() noexcept {
   status_t status{};
   integrator_.fill(status);
   status.clock = pace(rig_.loop.clock);
-  fill_process(status, bus_.counters());
+  fill_process(status, identity_, bus_.counters());
+  if (status.text[0] == 0 && was_bridging_) set_text(status.text, "waiting for a command");
+  if (status.text[0] == 0 && !lately(controller_heard_, clock_.now_ns())) {
+    set_text(status.text, "no controller is heard");
+  }
   fill_loop(status, pacer_);
   bus_.send(
       Channel::kIntegratorStatus, status,

@@ -6,6 +6,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
 #include "services/runtime/pacer.hpp"
+#include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {
 
@@ -16,7 +17,7 @@ class IntegratorService {
   IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon);
 
   /// Listens for a second whether somebody else owns the rig.
-  /// @throws Error naming the other owner
+  /// @throws NotDone naming the other owner
   void claim();
 
   /// Ticks until the daemon stops.
@@ -36,6 +37,7 @@ class IntegratorService {
 
   void publish(std::int64_t now) noexcept;
   void send_state(std::int64_t now) noexcept;
+  void follow_pace(std::int64_t now) noexcept;
   void follow_mode(std::int64_t now) noexcept;
   void report(std::int64_t now) noexcept;
   void publish_status() noexcept;
@@ -48,6 +50,7 @@ class IntegratorService {
   Integrator integrator_;
   Pacer pacer_;
 
+  Identity identity_;
   state_t state_{};  // of the present tick; a repeat is the same message
   truth_t truth_{};
   Stamp stamp_;                         // of both
@@ -56,6 +59,8 @@ class IntegratorService {
   Mode followed_mode_ = Mode::kHeld;    // what publish, pacer and STATUS have followed
   std::int64_t status_due_ = 0;         // wall time
   std::int64_t window_due_ = 0;         // wall time at which the statistics roll
+  bool was_paced_ = false;              // at the last look
+  bool was_bridging_ = false;           // at the last look
   std::int64_t obeyed_at_ = 0;          // wall time of the last accepted COMMAND, or of arming
   std::int64_t controller_heard_ = -1;  // wall time; -1: never
   std::int64_t other_owner_heard_ = -1;

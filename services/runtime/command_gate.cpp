@@ -51,7 +51,11 @@ bool CommandGate::offer(const command_t& command, std::int64_t tick) noexcept {
   counter_ = command.counter;
   heard_tick_ = tick;
   newest_for_tick_ = std::max(newest_for_tick_, command.for_tick);
-  if (waiting_count_ == static_cast<int>(waiting_.size())) {
+  // A repeated answer takes the place of the first one: the commands of other ticks still have to
+  // act.
+  if (waiting_count_ > 0 && waiting_[waiting_count_ - 1].for_tick == command.for_tick) {
+    --waiting_count_;
+  } else if (waiting_count_ == static_cast<int>(waiting_.size())) {
     std::move(waiting_.begin() + 1, waiting_.end(), waiting_.begin());
     --waiting_count_;
   }

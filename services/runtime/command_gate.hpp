@@ -25,6 +25,10 @@ class CommandGate {
   /// @return whether the command is accepted at the owner's current tick
   bool offer(const command_t& command, std::int64_t tick) noexcept;
 
+  /// Ends the lease: any writer may follow. For an owner whose time stands still, so that the lease
+  /// cannot run out.
+  void release() noexcept { writer_ = 0; }
+
   /// The command that acts in `tick`, null when there is none or it is no longer valid.
   const command_t* acting(std::int64_t tick) noexcept;
 

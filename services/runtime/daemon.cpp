@@ -151,6 +151,10 @@ void Daemon::queue(LogLevel level, fmt::string_view format, fmt::format_args arg
     std::copy_n(format.data(), std::min(length, kLogText), line.text.data());
   }
   line.length = static_cast<std::uint8_t>(std::min(length, kLogText));
+  // Texts of peers may stand in it.
+  std::replace_if(
+      line.text.begin(), line.text.begin() + line.length,
+      [](char c) { return (c >= 0 && c < ' ') || c == 127; }, '?');
   if (!lines_.push(line)) lost_lines_.fetch_add(1, std::memory_order_relaxed);
 }
 

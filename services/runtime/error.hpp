@@ -1,4 +1,4 @@
-// The one error that setting up can throw.
+// How programs say that something did not work.
 #pragma once
 
 #include <stdexcept>
@@ -9,6 +9,13 @@ namespace gyrotwin {
 /// Setting up failed. what() says what was found, what was expected, and the fix; programs print it
 /// and exit with 2. Never thrown after a daemon has started to tick.
 class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What was asked for did not come about: refused, not answered, not in time. what() says why and
+/// what to do; programs print it and exit with 1.
+class NotDone : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };

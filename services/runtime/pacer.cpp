@@ -16,6 +16,11 @@ void Pacer::set_speed(double factor, std::int64_t now_ns) noexcept {
   anchor(now_ns);
 }
 
+void Pacer::give_up_until(std::int64_t now_ns) noexcept {
+  skipped_ += std::max<std::int64_t>(0, now_ns - deadline_) / wall_period_;
+  anchor(now_ns);
+}
+
 bool Pacer::begin(std::int64_t now_ns) noexcept {
   const std::int64_t late = now_ns - deadline_;
   lateness_.add(late);

@@ -26,6 +26,9 @@ class Pacer {
   /// More than one period late is an overrun: the periods gone by are given up and counted, so that
   /// the next deadline lies ahead. @return false on an overrun under OverrunPolicy::kStop.
   bool begin(std::int64_t now_ns) noexcept;
+  /// Time has stood still on purpose until `now_ns`: the periods gone by are counted as skipped,
+  /// and the next deadline is one wall period from now. No lateness, no overrun.
+  void give_up_until(std::int64_t now_ns) noexcept;
   /// The tick's work has taken this long [ns].
   void worked(std::int64_t ns) noexcept { compute_.add(ns); }
 

@@ -27,11 +27,12 @@ std::string reach(const Rig& rig) {
                      rig.network.interface, rig.network.group, rig.network.port);
 }
 
-void fill_process(status_t& status, const BusCounters& counters) noexcept {
-  status.pid = ::getpid();
-  char host[sizeof(status.host)] = {};
-  ::gethostname(host, sizeof(host) - 1);
-  set_text(status.host, "{}", static_cast<const char*>(host));
+Identity::Identity() noexcept : pid(::getpid()) { ::gethostname(host, sizeof(host) - 1); }
+
+void fill_process(status_t& status, const Identity& identity,
+                  const BusCounters& counters) noexcept {
+  status.pid = identity.pid;
+  set_text(status.host, "{}", static_cast<const char*>(identity.host));
   status.malformed = counters.malformed;
   status.foreign = counters.foreign;
   status.other_rig = counters.other_rig;

@@ -15,8 +15,15 @@ BusConfig bus_config(const Rig& rig, std::int32_t source);
 /// "this host only (lo, 239.255.71.2:7672)" or "this subnet (...)".
 std::string reach(const Rig& rig);
 
-/// Host name, process id and bus counters.
-void fill_process(status_t& status, const BusCounters& counters) noexcept;
+/// Who runs this program; asked of the system once.
+struct Identity {
+  Identity() noexcept;
+  std::int32_t pid;
+  char host[32] = {};  ///< cut to fit, with a NUL at the end
+};
+
+/// Identity and bus counters.
+void fill_process(status_t& status, const Identity& identity, const BusCounters& counters) noexcept;
 /// Overruns and the loop's distributions.
 void fill_loop(status_t& status, Pacer& pacer) noexcept;
 

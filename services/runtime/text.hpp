@@ -23,6 +23,14 @@ void set_text(std::uint8_t (&field)[N], fmt::format_string<Args...> format,
   }
 }
 
+/// The text up to its first NUL, as it is: for what this program wrote, or to be cleaned by the
+/// log.
+template <std::size_t N>
+std::string_view text_view(const std::uint8_t (&field)[N]) noexcept {
+  const auto* end = std::find(std::begin(field), std::end(field), std::uint8_t{0});
+  return {reinterpret_cast<const char*>(field), static_cast<std::size_t>(end - field)};
+}
+
 /// The text up to its first NUL, other control characters and non-ASCII shown as '?'.
 template <std::size_t N>
 std::string get_text(const std::uint8_t (&field)[N]) {

@@ -1,13 +1,19 @@
-// One whole tick, owner to controller and back through real sockets, allocates nothing.
+// Neither daemon allocates once it runs: requests, ticks, STATUS and log lines included.
 #include <gtest/gtest.h>
 
-#include "services/controller/controller.hpp"
-#include "services/integrator/integrator.hpp"
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "services/controller/service.hpp"
+#include "services/integrator/service.hpp"
 #include "services/runtime/rig_bus.hpp"
 #include "tests/support/allocation_counter.hpp"
 
 namespace gyrotwin {
 namespace {
+
+constexpr std::int64_t kTicks = 3000;
 
 BusConfig config_of(const Rig& rig, std::int32_t source) {
   Rig unsigned_rig = rig;
@@ -17,67 +23,77 @@ BusConfig config_of(const Rig& rig, std::int32_t source) {
   return config;
 }
 
-class TickAllocations : public testing::TestWithParam<const char*> {
- protected:
-  /// STATE, TRUTH and STATUS out, COMMAND back, one tick.
-  void tick() {
-    const Stamp stamp{owner.epoch(), owner.sequence(), owner.tick(), owner.sim_time_ns()};
-    state_t state;
-    truth_t truth;
-    status_t status{};
-    owner.fill(state);
-    owner.fill(truth);
-    owner.fill(status);
-    fill_process(status, owner_bus.counters());
-    owner_bus.send(Channel::kIntegratorStatus, status, stamp);
-    owner_bus.send(Channel::kState, state, stamp);
-    owner_bus.send(Channel::kTruth, truth, stamp);
-    while (const auto reception = controller_bus.receive()) answer(*reception);
-    while (const auto reception = owner_bus.receive()) {
-      if (reception->channel != Channel::kCommand) continue;
-      command_t command;
-      Bus::decode(*reception, command);
-      owner.on_command(command);
-    }
-    ASSERT_TRUE(owner.answered());
-    owner.advance();
+/// A daemon's thread: what it allocated in run().
+template <class Service>
+class Running {
+ public:
+  Running(const Rig& rig, std::int32_t source)
+      : thread_([this, &rig, source] {
+          Daemon daemon("test");
+          daemon_ = &daemon;
+          MonotonicClock clock;
+          Bus bus(config_of(rig, source));
+          Service service(rig, bus, clock, daemon);
+          ready_ = true;
+          const AllocationCounter allocations;
+          service.run();
+          allocated_ = allocations.count();
+        }) {
+    while (!ready_) std::this_thread::yield();
   }
 
-  void answer(const Reception& reception) {
-    if (reception.channel == Channel::kIntegratorStatus) {
-      status_t status;
-      Bus::decode(reception, status);
-      controller.on_owner(status);
-    } else if (reception.channel == Channel::kState) {
-      state_t state;
-      command_t command;
-      Bus::decode(reception, state);
-      if (!controller.answer(state, command)) return;
-      controller_bus.send(Channel::kCommand, command, {2, state.header.sequence, 0, 0});
-    }
+  std::int64_t stop_and_count() {
+    daemon_.load()->stop();
+    thread_.join();
+    return allocated_;
   }
 
-  Rig rig = load_rig(GetParam());
-  Bus owner_bus{config_of(rig, header_t::SIMULATION)};
-  Bus controller_bus{config_of(rig, header_t::CONTROLLER)};
-  Integrator owner{rig, 1};
-  Controller controller{rig, 2};
+ private:
+  std::atomic<Daemon*> daemon_{nullptr};
+  std::atomic<bool> ready_{false};
+  std::int64_t allocated_ = -1;
+  std::thread thread_;
 };
 
-TEST_P(TickAllocations, Zero) {
-  request_t arm{};
-  arm.verb = request_t::ARM;
-  arm.owner_epoch = 1;
-  arm.writer = 3;
-  arm.counter = 1;
-  reply_t reply;
-  owner.on_request(arm, {.controller_heard = true}, reply);
-  for (int i = 0; i < 100; ++i) ASSERT_NO_FATAL_FAILURE(tick());
+class TickAllocations : public testing::TestWithParam<const char*> {};
 
-  const AllocationCounter allocations;
-  for (int i = 0; i < 2000; ++i) tick();
-  EXPECT_EQ(allocations.count(), 0);
-  EXPECT_EQ(owner.tick(), 2100);
+TEST_P(TickAllocations, ZeroInBothDaemons) {
+  const Rig rig = load_rig(GetParam(), {"loop.clock=lockstep"});
+  Bus bus(config_of(rig, header_t::OPERATOR));
+  Running<IntegratorService> integrator(rig, header_t::SIMULATION);
+  Running<ControllerService> controller(rig, header_t::CONTROLLER);
+
+  // Arm, push on the way, and go on until enough ticks have passed.
+  request_t request{};
+  std::int64_t tick = 0;
+  bool controller_heard = false;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (tick < kTicks && std::chrono::steady_clock::now() < end) {
+    while (const auto reception = bus.receive()) {
+      controller_heard |= reception->channel == Channel::kControllerStatus;
+      if (reception->channel == Channel::kState) {
+        state_t state;
+        Bus::decode(*reception, state);
+        tick = state.header.tick;
+        request.owner_epoch = state.header.epoch;
+      }
+    }
+    const bool pushes = tick > kTicks / 2 && request.verb == request_t::ARM;
+    if (controller_heard && (tick == 0 || pushes)) {
+      request.verb = pushes ? +request_t::DISTURB : +request_t::ARM;
+      request.disturbance = request_t::IMPULSE;
+      request.moment_nm[0] = 1.0;
+      request.duration_ns = 20'000'000;
+      request.writer = 3;
+      ++request.counter;
+      bus.send(Channel::kRequest, request, {3, request.counter, tick, 0});
+    }
+    bus.wait(20'000'000);
+  }
+  EXPECT_GE(tick, kTicks);
+  EXPECT_EQ(request.verb, request_t::DISTURB);
+  EXPECT_EQ(controller.stop_and_count(), 0);
+  EXPECT_EQ(integrator.stop_and_count(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Rigs, TickAllocations,

@@ -46,14 +46,13 @@ Hostile hostile(const Rig& rig) {
                    short_message(state, wrong_type),
                    short_message(state, distinct_payload(Channel::kCommand, rig.id))};
   all.foreign = {short_message("LCM_SELF_TEST", text("self test")),
-                 short_message("SOMEBODY/ELSE", text("hello")),
-                 short_message(state + "X", payload),
+                 short_message("SOMEBODY/ELSE", text("hello")), short_message(state + "X", payload),
                  text("LC03\0\0\0\1\377\377\377\377\0\0\0\0\0\1\377\377"sv)};
   all.other_rig = {short_message(state, distinct_payload(Channel::kState, rig.id + 1))};
-  all.unauthentic = {short_message(state, payload),
-                     short_message(command, distinct_payload(Channel::kCommand, rig.id)),
-                     short_message(rig.network.prefix + "/REQUEST",
-                                   distinct_payload(Channel::kRequest, rig.id))};
+  all.unauthentic = {
+      short_message(state, payload),
+      short_message(command, distinct_payload(Channel::kCommand, rig.id)),
+      short_message(rig.network.prefix + "/REQUEST", distinct_payload(Channel::kRequest, rig.id))};
   return all;
 }
 
@@ -101,8 +100,8 @@ TEST(Hostile, RandomBytesInValidEnvelopesChangeNothing) {
       for (std::size_t k = 8 + 4; k < payload.size(); ++k) {
         payload[k] = static_cast<std::uint8_t>(random());
       }
-      peer.send(short_message(lab.rig.network.prefix + "/" + std::string(spec(channel).suffix),
-                              payload));
+      peer.send(
+          short_message(lab.rig.network.prefix + "/" + std::string(spec(channel).suffix), payload));
     }
     if (i % 50 == 0) lab.until([](const Reception& r) { return r.channel == Channel::kState; });
   }
