@@ -133,6 +133,12 @@ TEST(Lockstep, WaitsForItsControllerSaysSoAndGoesOn) {
   lab.controller->signal(SIGCONT);
   const status_t running = lab.await_mode(status_t::MODE_RUNNING);
   EXPECT_GE(running.header.tick, waiting.header.tick);
+
+  // Another one takes over where the first died.
+  lab.controller->signal(SIGKILL);
+  lab.await_mode(status_t::MODE_PAUSED);
+  lab.controller = lab.start("controller");
+  lab.await_mode(status_t::MODE_RUNNING);
 }
 
 }  // namespace

@@ -132,6 +132,31 @@ TEST(CommandGate, DelaysByTicks) {
   }
 }
 
+TEST(CommandGate, ARepeatedAnswerPushesOutNothing) {
+  CommandGate g = gate(10, CommandGate::kMaxDelay);
+  std::int64_t counter = 0;
+  const auto offer = [&](std::int64_t tick) {
+    command_t c = command(tick, ++counter, static_cast<double>(tick));
+    c.valid_ticks = 100;
+    return g.offer(c, tick);
+  };
+  for (std::int64_t k = 0; k < 20; ++k) {
+    for (int repeat = 0; repeat < 5; ++repeat) ASSERT_TRUE(offer(k));
+    const command_t* acting = g.acting(k);
+    if (k < CommandGate::kMaxDelay) continue;
+    ASSERT_NE(acting, nullptr);
+    EXPECT_EQ(acting->value[0], static_cast<double>(k - CommandGate::kMaxDelay));
+  }
+}
+
+TEST(CommandGate, AReleasedLeaseIsAnybodys) {
+  CommandGate g = gate();
+  ASSERT_TRUE(g.offer(command(0, 5, 1.0, 5), 0));
+  EXPECT_FALSE(g.offer(command(0, 1, 1.0, 6), 0));
+  g.release();
+  EXPECT_TRUE(g.offer(command(0, 1, 1.0, 6), 0));
+}
+
 TEST(CommandGate, ResetForgetsLeaseAndValueButNotTheCounts) {
   CommandGate g = gate();
   ASSERT_TRUE(g.offer(command(0, 9), 0));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <vector>
 
 #include "services/controller/controller.hpp"
 #include "services/runtime/text.hpp"
@@ -148,6 +149,22 @@ TEST(Integrator, AnAnswerIsGivenAgainAndNotDoneAgain) {
   EXPECT_EQ(truth.external_moment_nm[0], 10.0) << "applied twice";
 }
 
+TEST(Integrator, AnAnswerIsKeptForEachAsker) {
+  ClosedLoop loop("prototype_b");
+  loop.arm();
+  const request_t arm = loop.last_request;
+  request_t other = arm;
+  other.writer = 77;
+  other.verb = request_t::PAUSE;
+  reply_t reply;
+  loop.integrator.on_request(other, loop.surroundings, reply);
+  EXPECT_EQ(reply.result, reply_t::APPLIED);
+  loop.integrator.on_request(arm, loop.surroundings, reply);
+  EXPECT_EQ(reply.result, reply_t::APPLIED) << "the first one's answer again";
+  EXPECT_EQ(reply.verb, request_t::ARM);
+  EXPECT_EQ(loop.integrator.mode(), Mode::kPaused);
+}
+
 TEST(Integrator, ARecordedRequestDoesNothingWhenSentLater) {
   ClosedLoop loop("prototype_b");
   loop.arm();
@@ -218,6 +235,8 @@ TEST(Integrator, RefusesDisturbancesThatCannotBeMeant) {
   EXPECT_TRUE(
       refused([](request_t& r) { r.duration_ns = std::numeric_limits<std::int64_t>::max(); }));
   EXPECT_TRUE(refused([](request_t& r) { r.start_tick = -5; }));
+  EXPECT_TRUE(
+      refused([](request_t& r) { r.start_tick = std::numeric_limits<std::int64_t>::max(); }));
   for (int i = 1; i < Disturbances::kCapacity; ++i) EXPECT_FALSE(refused([](request_t&) {}));
   EXPECT_TRUE(refused([](request_t&) {})) << "no place left";
 }
@@ -247,6 +266,9 @@ TEST(Integrator, AStateThatIsNotFiniteIsAFaultWithItsHistory) {
   loop.arm();
   loop.run_ticks(5);
   EXPECT_EQ(loop.integrator.mode(), Mode::kFault);
+  std::vector<std::int64_t> history;
+  loop.integrator.visit_history([&](const TickRecord& record) { history.push_back(record.tick); });
+  EXPECT_EQ(history, (std::vector<std::int64_t>{0})) << "the tick that failed, last";
   EXPECT_EQ(loop.integrator.plant().state().v[0], 1e200) << "the last state that can be trusted";
   const std::int64_t tick = loop.integrator.tick();
   loop.run_ticks(5);
