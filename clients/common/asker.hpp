@@ -34,6 +34,9 @@ class Asker {
   /// @throws NotDone when no answer comes
   reply_t ask(request_t request);
 
+  /// The clock that limits are counted on [ns].
+  std::int64_t now_ns() const { return clock_.now_ns(); }
+
   /// Hands every reception to `done` until it returns true.
   /// @return false when `limit_ns` passed before
   template <class Done>

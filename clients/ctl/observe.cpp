@@ -43,9 +43,10 @@ Sighting sight(const Rig& rig, Asker& asker) {
 }
 
 void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns) {
+  const std::int64_t end = asker.now_ns() + limit_ns;
   status_t status = asker.owner(limit_ns);
   const auto there = [&] { return status.mode == static_cast<std::int32_t>(mode); };
-  const bool came = there() || asker.listen(limit_ns, [&](const Reception& reception) {
+  const bool came = there() || asker.listen(end - asker.now_ns(), [&](const Reception& reception) {
     if (reception.channel != Channel::kIntegratorStatus) return false;
     Bus::decode(reception, status);
     return there();
@@ -57,9 +58,10 @@ void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns) {
 }
 
 void wait_until_ready(Asker& asker, std::int64_t limit_ns) {
+  const std::int64_t end = asker.now_ns() + limit_ns;
   status_t status = asker.owner(limit_ns);
   bool controller = false;
-  const bool ready = asker.listen(limit_ns, [&](const Reception& reception) {
+  const bool ready = asker.listen(end - asker.now_ns(), [&](const Reception& reception) {
     controller |= reception.channel == Channel::kControllerStatus;
     if (reception.channel == Channel::kIntegratorStatus) Bus::decode(reception, status);
     return controller && status.mode == status_t::MODE_HELD;
@@ -72,9 +74,10 @@ void wait_until_ready(Asker& asker, std::int64_t limit_ns) {
 }
 
 void wait_for_balance(Asker& asker, BalanceWatch watch, std::int64_t limit_ns) {
+  const std::int64_t end = asker.now_ns() + limit_ns;
   status_t status = asker.owner(limit_ns);
   bool balanced = false;
-  asker.listen(limit_ns, [&](const Reception& reception) {
+  asker.listen(end - asker.now_ns(), [&](const Reception& reception) {
     if (reception.channel == Channel::kState) {
       state_t state;
       Bus::decode(reception, state);

@@ -85,7 +85,8 @@ void add_plant(CLI::App& app, Options& options) {
 }
 
 void add_output(CLI::App& app, Options& options) {
-  app.add_option("--duration", options.duration, "How long [s]")
+  app.add_option("--duration", options.duration,
+                 "How long [s], whole ticks where time goes in ticks; there is a row at its end")
       ->check(finite_within(kShortest, kLongest))
       ->capture_default_str()
       ->type_name("S")
@@ -220,6 +221,12 @@ int conclude(const Rig& rig, const Outcome& outcome, bool written) {
           "--external,");
     case End::kNotFinite:
       break;
+  }
+  if (outcome.fell_at) {
+    std::fprintf(stderr,
+                 "gyrotwin-simulate: the equations end at 90 deg of tilt, here at t = %.6g s\n",
+                 outcome.t);
+    return kDone;
   }
   char tilt[32];
   std::snprintf(tilt, sizeof tilt, "%.1f", degrees(outcome.tilt));

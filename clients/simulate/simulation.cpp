@@ -21,8 +21,10 @@ constexpr double kLongestPiece =
 constexpr double kSameTime = 1e-12;
 // Share of a tick that is surely inside of it and changes nothing else.
 constexpr double kInside = 1e-9;
-// Tick periods are whole nanoseconds, rates need not be.
+// Share of a sample or step that is no more than rounding.
 constexpr double kSameCount = 1e-6;
+// Tick periods are whole nanoseconds, rates need not be: how far a tick may be from what is meant.
+constexpr double kSameTick = 1e-9;  // [s]
 
 std::string seconds(double t) {
   char text[32];
@@ -30,52 +32,63 @@ std::string seconds(double t) {
   return text;
 }
 
-/// The equal steps between which spectators look on, and how many of them make a sample.
+/// The steps between which spectators look on, and how many of them make a sample. All are equal
+/// but, where time does not go in ticks, the last.
 struct Grid {
   double step;  // [s]
   std::int64_t steps_per_sample;
   double sample;  // [s]
-  std::int64_t samples;
+  std::int64_t steps;
+  double last_step;  // [s]
 
   double time(std::int64_t i) const {
+    if (i == steps && last_step != step) return time(i - 1) + last_step;
     return static_cast<double>(i / steps_per_sample) * sample +
            static_cast<double>(i % steps_per_sample) * step;
   }
+  double length(std::int64_t i) const { return i + 1 == steps ? last_step : step; }
+  bool sample_at(std::int64_t i) const { return i % steps_per_sample == 0 || i == steps; }
 };
 
-std::int64_t samples_in(double duration, double sample) {
-  const double count = duration / sample;
-  return static_cast<std::int64_t>(count + kSameCount);
+/// How many ticks an option's time is.
+/// @throws Error when it falls between two
+std::int64_t ticks_in(const char* option, double time, double tick) {
+  const double wanted = time / tick;
+  const double count = std::max(1.0, std::round(wanted));
+  if (std::abs(time - count * tick) <= kSameTick * count) return static_cast<std::int64_t>(count);
+  const double below = std::floor(wanted);
+  throw Error(std::string(option) + " " + seconds(time) + ": time goes in ticks of " +
+              seconds(tick) + " s here; the nearest that fit are " +
+              (below > 0.0 ? seconds(below * tick) + " and " : "") +
+              seconds((below + 1.0) * tick) +
+              " (continuous feedback with the adaptive stepper takes any)");
 }
 
 Grid tick_grid(double tick, const Scenario& scenario) {
-  const double wanted = scenario.sample.value_or(kDefaultSample) / tick;
-  const double count = std::max(1.0, std::round(wanted));
-  if (scenario.sample && std::abs(wanted - count) > kSameCount * count) {
-    const double below = std::floor(wanted);
-    throw Error("--sample " + seconds(*scenario.sample) + ": time goes in ticks of " +
-                seconds(tick) + " s here; the nearest that fit are " +
-                (below > 0.0 ? seconds(below * tick) + " and " : "") +
-                seconds((below + 1.0) * tick) +
-                " (continuous feedback with the adaptive stepper takes any)");
-  }
-  const double sample = scenario.sample.value_or(count * tick);
-  return {tick, static_cast<std::int64_t>(count), sample, samples_in(scenario.duration, sample)};
+  const std::int64_t nearest = std::max(std::llround(kDefaultSample / tick), 1LL);
+  const std::int64_t count =
+      scenario.sample ? ticks_in("--sample", *scenario.sample, tick) : nearest;
+  const double sample = scenario.sample.value_or(static_cast<double>(count) * tick);
+  return {tick, count, sample, ticks_in("--duration", scenario.duration, tick), tick};
 }
 
 Grid free_grid(const Scenario& scenario) {
   const double sample = scenario.sample.value_or(kDefaultSample);
   const double count = std::max(1.0, std::ceil(sample / kLongestPiece - kSameCount));
-  return {sample / count, static_cast<std::int64_t>(count), sample,
-          samples_in(scenario.duration, sample)};
+  const double step = sample / count;
+  const double whole = std::floor(scenario.duration / step + kSameCount);
+  const double rest = scenario.duration - whole * step;
+  Grid grid{step, static_cast<std::int64_t>(count), sample, static_cast<std::int64_t>(whole), step};
+  if (rest > kSameCount * std::min(step, scenario.duration)) {
+    ++grid.steps;
+    grid.last_step = rest;
+  }
+  return grid;
 }
 
 Grid grid_of(const Rig& rig, const Scenario& scenario) {
   const bool ticks = scenario.sampled || !scenario.stepping.adaptive;
-  const Grid grid = ticks ? tick_grid(rig.loop.tick_s(), scenario) : free_grid(scenario);
-  if (grid.samples > 0) return grid;
-  throw Error("--duration " + seconds(scenario.duration) + " is shorter than one sample of " +
-              seconds(grid.sample) + " s; lengthen it or give a smaller --sample");
+  return ticks ? tick_grid(rig.loop.tick_s(), scenario) : free_grid(scenario);
 }
 
 bool finite(const model::Input& input) {
@@ -220,11 +233,11 @@ class Run {
     outcome_.tilt = outcome_.largest_tilt = machine_.tilt(state_);
     if (outcome_.tilt > rig_.safety.fall_tilt_rad) outcome_.fell_at = 0.0;
     if (!scenario_.sampled) {
-      ode_.stay_within(0.5 * grid_.step);
+      ode_.stay_within(0.5 * grid_.length(0));
       ode_.look(0.0, y_.data());
     }
     spectator_.sample({0.0, state_, ode_.input()});
-    for (std::int64_t i = 0; i < grid_.samples * grid_.steps_per_sample; ++i) {
+    for (std::int64_t i = 0; i < grid_.steps; ++i) {
       if (!spectator_.go_on(outcome_.t)) {
         outcome_.end = End::kStopped;
         return outcome_;
@@ -235,9 +248,7 @@ class Run {
         return outcome_;
       }
       note(grid_.time(i + 1));
-      if ((i + 1) % grid_.steps_per_sample == 0) {
-        spectator_.sample({outcome_.t, state_, ode_.input()});
-      }
+      if (grid_.sample_at(i + 1)) spectator_.sample({outcome_.t, state_, ode_.input()});
     }
     return outcome_;
   }
@@ -246,16 +257,17 @@ class Run {
   /// One grid step, cut at breakpoints so that the right-hand side is smooth within each piece.
   bool step(std::int64_t i) {
     const double t = grid_.time(i);
+    const double length = grid_.length(i);
     ode_.start_at(t);
     if (drives_) {
-      ode_.hold(drives_->over_tick(i, t, grid_.step, state_, machine_.observe(state_)));
+      ode_.hold(drives_->over_tick(i, t, length, state_, machine_.observe(state_)));
     }
-    const double same = std::min(kSameTime * std::max(1.0, t), kSameCount * grid_.step);
+    const double same = std::min(kSameTime * std::max(1.0, t), kSameCount * length);
     double begin = 0.0;  // since t, as the live plant counts
     auto cut = std::upper_bound(breakpoints_.begin(), breakpoints_.end(), t + same);
-    while (begin < grid_.step) {
-      double end = grid_.step;
-      if (cut != breakpoints_.end() && *cut - t < grid_.step - same) end = *cut++ - t;
+    while (begin < length) {
+      double end = length;
+      if (cut != breakpoints_.end() && *cut - t < length - same) end = *cut++ - t;
       if (end - begin <= same) continue;
       ode_.stay_within(t + 0.5 * (begin + end));
       if (!stepper_.advance(begin, end, y_)) return false;
@@ -265,7 +277,7 @@ class Run {
         unpack(y_.data(), machine_.coordinates(), scenario_.start.rotor_speed);
     if (!next.finite()) return false;
     state_ = next;
-    ode_.look(grid_.step, y_.data());
+    ode_.look(length, y_.data());
     return true;
   }
 

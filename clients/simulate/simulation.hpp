@@ -39,7 +39,7 @@ struct InputFunction {
 /// What to simulate.
 struct Scenario {
   model::State start;
-  double duration = 10.0;  ///< [s]
+  double duration = 10.0;  ///< [s], whole ticks where time goes in ticks
   std::optional<double>
       sample;           ///< between samples [s]; by default 0.01 s, or the ticks next to it
   bool sampled = true;  ///< drives held over each tick, as in the live system
@@ -59,7 +59,7 @@ struct Sample {
 class Spectator {
  public:
   virtual ~Spectator() = default;
-  /// Every sample, the start included.
+  /// Every sample, start and end included.
   virtual void sample(const Sample& sample) = 0;
   /// Between samples too, at least every 10 ms of simulated time. @return whether to go on
   virtual bool go_on(double t) = 0;
@@ -85,7 +85,7 @@ struct Outcome {
 /// Continuous feedback asks law or torque at every evaluation and integrates the law's memory too.
 /// @param rig its law, unless the scenario has a torque; its tick, delay and fall limit
 /// @param machine the rig's, whose drives may have been changed
-/// @throws Error when law, tick and sample do not fit together
+/// @throws Error when law, tick, sample and duration do not fit together
 Outcome simulate(const Rig& rig, const model::Machine& machine, const Scenario& scenario,
                  Spectator& spectator);
 

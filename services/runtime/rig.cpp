@@ -110,11 +110,4 @@ std::string_view name_of(LawKind law) {
   return word->name;
 }
 
-std::optional<LawKind> law_named(std::string_view name) {
-  for (const auto& word : kLawWords) {
-    if (word.name == name) return word.value;
-  }
-  return std::nullopt;
-}
-
 }  // namespace gyrotwin

@@ -107,8 +107,7 @@ std::filesystem::path rig_folder();
 /// Bare names of the shipped rigs, sorted.
 std::vector<std::string> shipped_rigs();
 
-/// The names in the file and on the command line.
+/// The name in the file and on the command line.
 std::string_view name_of(LawKind law);
-std::optional<LawKind> law_named(std::string_view name);
 
 }  // namespace gyrotwin
