@@ -223,9 +223,11 @@ int conclude(const Rig& rig, const Outcome& outcome, bool written) {
       break;
   }
   if (outcome.fell_at) {
-    std::fprintf(stderr,
-                 "gyrotwin-simulate: the equations end at 90 deg of tilt, here at t = %.6g s\n",
-                 outcome.t);
+    std::fprintf(
+        stderr,
+        "gyrotwin-simulate: the equations end at 90 deg of tilt; the last row is of t = %.6g "
+        "s and %.1f deg\n",
+        outcome.t, degrees(outcome.tilt));
     return kDone;
   }
   char tilt[32];
@@ -258,8 +260,9 @@ std::string footer() {
          "\n  step(x): 0 below 0, else 1; square(x): +1 and -1, period 2 pi. A formula may jump, a "
          "table\n  is followed exactly: zero before its first row, its last row stays.\n"
          "The last line on stderr says whether it stands or falls. A live owner stops the drives\n"
-         "of a fallen platform; here everything goes on until the end.\n"
-         "Exit code 0: simulated; 1: not to the end; 2: asked wrongly.\n"
+         "of a fallen platform; here everything goes on, at most to 90 deg of tilt, where the\n"
+         "equations end.\n"
+         "Exit code 0: simulated, to the end or a fall; 1: not so far; 2: asked wrongly.\n"
          "Examples:\n"
          "  gyrotwin simulate --output run.csv          # the rig as it would run live\n"
          "  gyrotwin simulate --law none --initial thx=0.05 --duration 2\n"

@@ -38,21 +38,9 @@ std::vector<std::string> mount_names() {
   return names;
 }
 
-void choose_mount(RigOptions& rig_options, std::string mount, const std::string& track) {
-  // The rig as it is without that.
-  std::vector<std::string> others;
-  bool q_given = false, v_given = false;
-  for (const std::string& key : rig_options.overrides()) {
-    if (key.starts_with("umbrella.mount=")) {
-      if (mount.empty()) mount = key.substr(key.find('=') + 1);
-      continue;
-    }
-    q_given = q_given || key.starts_with("initial.q=");
-    v_given = v_given || key.starts_with("initial.v=");
-    if (!key.starts_with("initial.")) others.push_back(key);
-  }
+void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track) {
   if (mount.empty() && track.empty()) return;
-  const Rig rig = load_rig(rig_options.name(), others);
+  const Rig rig = load_rig(rig_options.name(), rig_options.overrides());
   const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine);
   if (!umbrella) {
     throw Error("rig " + rig.name +
@@ -61,9 +49,8 @@ void choose_mount(RigOptions& rig_options, std::string mount, const std::string&
   if (!track.empty()) rig_options.override_key("umbrella.track=" + track);
   const auto chosen = std::find_if(kMounts.begin(), kMounts.end(),
                                    [&](const auto& word) { return word.first == mount; });
-  if (chosen == kMounts.end()) return;  // none, or a mistake that load() will tell
+  if (chosen == kMounts.end()) return;
 
-  rig_options.override_key("umbrella.mount=" + mount);
   const model::Machine before = model::build(*umbrella);
   model::UmbrellaParameters remounted = *umbrella;
   remounted.mount = chosen->second;
@@ -71,8 +58,9 @@ void choose_mount(RigOptions& rig_options, std::string mount, const std::string&
   const model::State start =
       after.recall(before.observe(before.state(rig.initial_q, rig.initial_v)));
   const int n = after.coordinates();
-  if (!q_given) rig_options.override_key("initial.q=" + toml_list(start.q, n));
-  if (!v_given) rig_options.override_key("initial.v=" + toml_list(start.v, n));
+  rig_options.override_key("umbrella.mount=" + mount);
+  rig_options.override_key("initial.q=" + toml_list(start.q, n));
+  rig_options.override_key("initial.v=" + toml_list(start.v, n));
 }
 
 }  // namespace gyrotwin

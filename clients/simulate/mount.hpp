@@ -11,10 +11,10 @@ namespace gyrotwin {
 /// Words that --mount takes.
 std::vector<std::string> mount_names();
 
-/// Overrides the rig's mount and track where they are not empty. A mount, also one that was
-/// overridden before, may have other coordinates: unless the initial state is overridden too, it is
-/// carried over as what can be seen of it, so that the disc starts as it sat.
+/// Overrides the rig's mount and track where they are not empty. Another mount may have other
+/// coordinates: the rig's initial state is carried over as what can be seen of it, so that the disc
+/// starts as it sat.
 /// @throws Error when the rig is wrong or no umbrella platform
-void choose_mount(RigOptions& rig_options, std::string mount, const std::string& track);
+void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track);
 
 }  // namespace gyrotwin

@@ -59,8 +59,7 @@ std::int64_t ticks_in(const char* option, double time, double tick) {
   const double below = std::floor(wanted);
   throw Error(std::string(option) + " " + seconds(time) + ": time goes in ticks of " +
               seconds(tick) + " s here; the nearest that fit are " +
-              (below > 0.0 ? seconds(below * tick) + " and " : "") +
-              seconds((below + 1.0) * tick) +
+              (below > 0.0 ? seconds(below * tick) + " and " : "") + seconds((below + 1.0) * tick) +
               " (continuous feedback with the adaptive stepper takes any)");
 }
 

@@ -2,9 +2,9 @@
 #include "services/runtime/cli.hpp"
 #include "services/runtime/rig_bus.hpp"
 
-namespace {
+namespace gyrotwin {
 
-using namespace gyrotwin;
+namespace {
 
 // Below the owner's, who must notice when this one goes astray.
 constexpr int kPriority = 79;
@@ -25,10 +25,12 @@ int run(const RigOptions& options) {
 
 }  // namespace
 
+}  // namespace gyrotwin
+
 int main(int argc, char** argv) {
   CLI::App app(
       "Answers every STATE of the rig's owner with the COMMAND of the law that the rig file names.",
       "gyrotwin-controller");
   const gyrotwin::RigOptions options(app);
-  return gyrotwin::run_program(argc, argv, app, [&] { return run(options); });
+  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options); });
 }

@@ -3,9 +3,9 @@
 #include "services/runtime/error.hpp"
 #include "services/runtime/rig_bus.hpp"
 
-namespace {
+namespace gyrotwin {
 
-using namespace gyrotwin;
+namespace {
 
 constexpr int kPriority = 80;
 
@@ -40,11 +40,13 @@ int run(const RigOptions& options) {
 
 }  // namespace
 
+}  // namespace gyrotwin
+
 int main(int argc, char** argv) {
   CLI::App app(
       "Owns a simulated plant: publishes its STATE at the rig's rate, obeys COMMAND and answers "
       "REQUEST. Starts HELD; `gyrotwin ctl arm` lets go.",
       "gyrotwin-integrator");
   const gyrotwin::RigOptions options(app);
-  return gyrotwin::run_program(argc, argv, app, [&] { return run(options); });
+  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options); });
 }

@@ -39,7 +39,7 @@ bool Plant::advance(const model::Input& input) noexcept {
   const int n = machine_.coordinates();
   pack(state_, n, y.data());
   // Every tick from 0: the same state and input give the same bits at any tick.
-  const bool ok = stepper_.advance(0.0, tick_s_, {y.data(), static_cast<std::size_t>(2 * n)});
+  const bool ok = stepper_.advance(0.0, tick_s_, {y.data(), 2 * static_cast<std::size_t>(n)});
   const model::State next = unpack(y.data(), n, state_.rotor_speed);
   if (!ok || !next.finite()) return false;
   state_ = next;

@@ -217,10 +217,34 @@ TEST(Samples, FallOnMultiplesOfTheSamplingTime) {
   for (std::size_t k = 0; k < free.samples.size(); ++k) {
     EXPECT_EQ(free.samples[k].t, static_cast<double>(k) * 0.025);
   }
-  scenario.duration = 0.349;
-  EXPECT_EQ(run(rig, machine, scenario).samples.size(), 14u);
   scenario.sample.reset();
   EXPECT_EQ(run(rig, machine, scenario).samples[1].t, 0.01);
+}
+
+TEST(Samples, EndWithTheDuration) {
+  const Rig rig = umbrella_rig();
+  const model::Machine machine = rig.build_machine();
+  const model::State start = machine.state({0.01}, {0, 0, -2.0, 0});
+  const auto times = [&](const Scenario& scenario) {
+    std::vector<double> found;
+    for (const Recorded& sample : run(rig, machine, scenario).samples) found.push_back(sample.t);
+    return found;
+  };
+  const auto expect_times = [](const std::vector<double>& found, const std::vector<double>& known) {
+    ASSERT_EQ(found.size(), known.size());
+    for (std::size_t k = 0; k < known.size(); ++k) EXPECT_NEAR(found[k], known[k], 1e-15) << k;
+  };
+  expect_times(times(continuous(start, 0.25, 0.1)), {0.0, 0.1, 0.2, 0.25});
+  expect_times(times(continuous(start, 0.2537, 0.1)), {0.0, 0.1, 0.2, 0.2537});
+  expect_times(times(continuous(start, 0.004, 0.1)), {0.0, 0.004});
+  Scenario in_ticks = sampled(rig, start, 0.25);
+  in_ticks.sample = 0.1;
+  expect_times(times(in_ticks), {0.0, 0.1, 0.2, 0.25});
+
+  // The last row is of that time, not only named so.
+  const model::State cut = run(rig, machine, continuous(start, 0.0537, 0.02)).last();
+  const model::State whole = run(rig, machine, continuous(start, 0.0537, 0.0537)).last();
+  EXPECT_LT(largest(cut.q - whole.q), 1e-12);  // measured 5.5e-14
 }
 
 TEST(Samples, FallOnTicksWhereThereAreTicks) {
@@ -243,12 +267,27 @@ TEST(Samples, FallOnTicksWhereThereAreTicks) {
       std::string::npos)
       << refusal(0.006);
   EXPECT_NE(refusal(0.001).find("that fit are 0.0025 ("), std::string::npos) << refusal(0.001);
-  EXPECT_NE(refusal(0.2).find("shorter than one sample"), std::string::npos) << refusal(0.2);
+  scenario.duration = 0.101;
+  EXPECT_NE(
+      refusal(0.005).find("--duration 0.101: time goes in ticks of 0.0025 s here; the nearest "
+                          "that fit are 0.1 and 0.1025"),
+      std::string::npos)
+      << refusal(0.005);
+  scenario.duration = 0.1;
   scenario.sampled = false;
   scenario.torque = InputFunction<DriveTorques>{[](const Instant&) { return DriveTorques{}; }, {}};
   EXPECT_NE(refusal(0.006), "accepted") << "fixed steps are a tick's";
   scenario.stepping.adaptive = true;
   EXPECT_EQ(refusal(0.006), "accepted");
+}
+
+TEST(Samples, TakeTicksThatAreRoundedToNanosecondsForWhatIsMeant) {
+  Rig rig = umbrella_rig();
+  rig.loop.rate_hz = 7000.0;  // ticks of 142857 ns, which miss 0.1 s by 0.1 us
+  const model::Machine machine = rig.build_machine();
+  Scenario scenario = sampled(rig, machine.state({}, {}), 0.1);
+  scenario.sample = 0.05;
+  EXPECT_EQ(run(rig, machine, scenario).samples.size(), 3u);
 }
 
 TEST(Ends, SayWhyAndWhen) {
