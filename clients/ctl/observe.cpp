@@ -62,7 +62,9 @@ void wait_until_ready(Asker& asker, std::int64_t limit_ns) {
   status_t status = asker.owner(limit_ns);
   bool controller = false;
   const bool ready = asker.listen(end - asker.now_ns(), [&](const Reception& reception) {
-    controller |= reception.channel == Channel::kControllerStatus;
+    // As the owner sees it: a peer without STATUS is known by its commands.
+    controller |=
+        reception.channel == Channel::kControllerStatus || reception.channel == Channel::kCommand;
     if (reception.channel == Channel::kIntegratorStatus) Bus::decode(reception, status);
     return controller && status.mode == status_t::MODE_HELD;
   });

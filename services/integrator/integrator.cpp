@@ -145,7 +145,8 @@ void Integrator::fill(status_t& status) const noexcept {
   status.speed_factor = speed_;
   status.tick_period_ns = rig_.loop.tick_ns();
   status.rhs_evaluations_max = evaluations_max_;
-  status.command_writer = gate_.writer();
+  const bool leased = mode_ == Mode::kPaused || (mode_ == Mode::kRunning && !gate_.lost(tick_));
+  status.command_writer = leased ? gate_.writer() : 0;
   status.command_counter = gate_.counter();
   status.request_writer = request_writer_;
   status.request_counter = request_counter_;
