@@ -10,6 +10,7 @@
 #include "clients/simulate/simulation.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/rig_reader.hpp"
 
 namespace gyrotwin {
 
@@ -27,12 +28,11 @@ struct Options {
   bool extra = false;
 };
 
-std::vector<std::string> law_names() {
+/// The words of the rig file, so that both take the same.
+template <class Words>
+std::vector<std::string> names_of(const Words& words) {
   std::vector<std::string> names;
-  for (const LawKind law : {LawKind::kNone, LawKind::kConstantSpeed, LawKind::kMomentumManager,
-                            LawKind::kReducedLqr, LawKind::kPrecessionLqr}) {
-    names.emplace_back(name_of(law));
-  }
+  for (const auto& word : words) names.emplace_back(word.name);
   return names;
 }
 
@@ -48,7 +48,7 @@ void add_inputs(CLI::App& app, Options& options) {
            "thx=0.05,phi_dot=-5; what is not said stays")
       ->type_name("STATE");
   app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
-      ->check(CLI::IsMember(law_names()))
+      ->check(CLI::IsMember(names_of(kLawWords)))
       ->type_name("NAME")
       ->group("Inputs");
   add_list(app, "--torque", options.torque,
@@ -71,9 +71,9 @@ void add_plant(CLI::App& app, Options& options) {
        {"on", "off"}, "Plant")
       ->capture_default_str();
   word("--mount", options.mount, "How the disc sits on the structure (umbrella platforms)",
-       mount_names(), "Plant");
+       names_of(kMountWords), "Plant");
   word("--track", options.track, "What the outer axles ride on (umbrella platforms)",
-       {"none", "lower", "slot"}, "Plant");
+       names_of(kTrackWords), "Plant");
   word("--feedback", options.feedback,
        "sampled: torques once a tick, held over it, the same bits as a live system in lockstep; "
        "continuous: at every instant. Default: sampled with a law, continuous without",

@@ -1,22 +1,16 @@
 #include "clients/simulate/mount.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <utility>
 #include <variant>
 
 #include "services/model/umbrella.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/rig_reader.hpp"
 
 namespace gyrotwin {
 
 namespace {
-
-constexpr std::array<std::pair<const char*, model::Mount>, 3> kMounts{
-    {{"level", model::Mount::kLevel},
-     {"universal_joint", model::Mount::kUniversalJoint},
-     {"rigid", model::Mount::kRigid}}};
 
 /// `[a, b]` with every bit.
 std::string toml_list(const model::Coordinates& values, int count) {
@@ -32,12 +26,6 @@ std::string toml_list(const model::Coordinates& values, int count) {
 
 }  // namespace
 
-std::vector<std::string> mount_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, mount] : kMounts) names.emplace_back(name);
-  return names;
-}
-
 void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track) {
   if (mount.empty() && track.empty()) return;
   const Rig rig = load_rig(rig_options.name(), rig_options.overrides());
@@ -47,13 +35,13 @@ void choose_mount(RigOptions& rig_options, const std::string& mount, const std::
                 " has gimballed gyros; only an umbrella platform has a mount and a track");
   }
   if (!track.empty()) rig_options.override_key("umbrella.track=" + track);
-  const auto chosen = std::find_if(kMounts.begin(), kMounts.end(),
-                                   [&](const auto& word) { return word.first == mount; });
-  if (chosen == kMounts.end()) return;
+  const auto chosen = std::find_if(kMountWords.begin(), kMountWords.end(),
+                                   [&](const auto& word) { return word.name == mount; });
+  if (chosen == kMountWords.end()) return;
 
   const model::Machine before = model::build(*umbrella);
   model::UmbrellaParameters remounted = *umbrella;
-  remounted.mount = chosen->second;
+  remounted.mount = chosen->value;
   const model::Machine after = model::build(remounted);
   const model::State start =
       after.recall(before.observe(before.state(rig.initial_q, rig.initial_v)));

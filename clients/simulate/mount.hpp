@@ -2,14 +2,10 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "services/runtime/cli.hpp"
 
 namespace gyrotwin {
-
-/// Words that --mount takes.
-std::vector<std::string> mount_names();
 
 /// Overrides the rig's mount and track where they are not empty. Another mount may have other
 /// coordinates: the rig's initial state is carried over as what can be seen of it, so that the disc

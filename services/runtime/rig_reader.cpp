@@ -31,15 +31,6 @@ constexpr std::array<Word<SafeStopDrive>, 3> kSafeStopWords{
      {"brake", SafeStopDrive::kBrake},
      {"hold_speed", SafeStopDrive::kHoldSpeed}}};
 
-constexpr std::array<Word<model::Mount>, 3> kMountWords{
-    {{"level", model::Mount::kLevel},
-     {"universal_joint", model::Mount::kUniversalJoint},
-     {"rigid", model::Mount::kRigid}}};
-
-constexpr std::array<Word<model::TrackKind>, 3> kTrackWords{{{"none", model::TrackKind::kNone},
-                                                             {"lower", model::TrackKind::kLower},
-                                                             {"slot", model::TrackKind::kSlot}}};
-
 constexpr std::array<Word<model::Arrangement>, 3> kArrangementWords{
     {{"single", model::Arrangement::kSingle},
      {"pair", model::Arrangement::kPair},

@@ -17,6 +17,16 @@ inline constexpr std::array<Word<LawKind>, 5> kLawWords{{
     {"precession_lqr", LawKind::kPrecessionLqr},
 }};
 
+inline constexpr std::array<Word<model::Mount>, 3> kMountWords{
+    {{"level", model::Mount::kLevel},
+     {"universal_joint", model::Mount::kUniversalJoint},
+     {"rigid", model::Mount::kRigid}}};
+
+inline constexpr std::array<Word<model::TrackKind>, 3> kTrackWords{
+    {{"none", model::TrackKind::kNone},
+     {"lower", model::TrackKind::kLower},
+     {"slot", model::TrackKind::kSlot}}};
+
 /// Reads every key of a rig and notes what does not go together; reader.finish() then tells.
 Rig read_rig(TomlReader& reader);
 
