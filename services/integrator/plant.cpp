@@ -7,26 +7,36 @@
 
 namespace gyrotwin {
 
-void pack(const model::State& state, int coordinates, double* y) noexcept {
-  std::copy_n(state.q.data(), coordinates, y);
-  std::copy_n(state.v.data(), coordinates, y + coordinates);
+int packed_size(const model::Machine& machine) noexcept {
+  return 2 * machine.coordinates() + (machine.rotor_drive ? machine.rotors : 0);
 }
 
-model::State unpack(const double* y, int coordinates,
-                    const model::RotorSpeeds& rotor_speed) noexcept {
+void pack(const model::Machine& machine, const model::State& state, double* y) noexcept {
+  const int n = machine.coordinates();
+  std::copy_n(state.q.data(), n, y);
+  std::copy_n(state.v.data(), n, y + n);
+  if (machine.rotor_drive) std::copy_n(state.rotor_speed.data(), machine.rotors, y + 2 * n);
+}
+
+model::State unpack(const model::Machine& machine, const double* y,
+                    const model::RotorSpeeds& held_rotor_speed) noexcept {
+  const int n = machine.coordinates();
   model::State state;
-  std::copy_n(y, coordinates, state.q.data());
-  std::copy_n(y + coordinates, coordinates, state.v.data());
-  state.rotor_speed = rotor_speed;
+  std::copy_n(y, n, state.q.data());
+  std::copy_n(y + n, n, state.v.data());
+  state.rotor_speed = held_rotor_speed;
+  if (machine.rotor_drive) std::copy_n(y + 2 * n, machine.rotors, state.rotor_speed.data());
   return state;
 }
 
+void packed_rates(const model::Machine& machine, const model::State& state,
+                  const model::Input& input, double* dy) noexcept {
+  const model::Coordinates acceleration = machine.acceleration(state, input);
+  pack(machine, {state.v, acceleration, machine.rotor_acceleration(state, input)}, dy);
+}
+
 void MachineOde::rates(double, const double* y, double* dy) noexcept {
-  const int n = machine_.coordinates();
-  const model::State state = unpack(y, n, rotor_speed);
-  const model::Coordinates acceleration = machine_.acceleration(state, input);
-  std::copy_n(state.v.data(), n, dy);
-  std::copy_n(acceleration.data(), n, dy + n);
+  packed_rates(machine_, unpack(machine_, y, held_rotor_speed), input, dy);
 }
 
 Plant::Plant(const model::Machine& machine, double tick_s, const StepPolicy& policy)
@@ -34,13 +44,12 @@ Plant::Plant(const model::Machine& machine, double tick_s, const StepPolicy& pol
 
 bool Plant::advance(const model::Input& input) noexcept {
   ode_.input = input;
-  ode_.rotor_speed = state_.rotor_speed;
-  std::array<double, 2 * model::kMaxCoordinates> y;
-  const int n = machine_.coordinates();
-  pack(state_, n, y.data());
+  ode_.held_rotor_speed = state_.rotor_speed;
+  std::array<double, 2 * model::kMaxCoordinates + model::kMaxRotors> y;
+  pack(machine_, state_, y.data());
   // Every tick from 0: the same state and input give the same bits at any tick.
-  const bool ok = stepper_.advance(0.0, tick_s_, {y.data(), 2 * static_cast<std::size_t>(n)});
-  const model::State next = unpack(y.data(), n, state_.rotor_speed);
+  const bool ok = stepper_.advance(0.0, tick_s_, {y.data(), static_cast<std::size_t>(ode_.size())});
+  const model::State next = unpack(machine_, y.data(), state_.rotor_speed);
   if (!ok || !next.finite()) return false;
   state_ = next;
   return true;

@@ -9,24 +9,29 @@
 
 namespace gyrotwin {
 
+/// A state as one vector for the stepper: (q, v), and with a rotor_drive the rotor speeds.
+int packed_size(const model::Machine& machine) noexcept;
+void pack(const model::Machine& machine, const model::State& state, double* y) noexcept;
+/// @param held_rotor_speed what a machine without a rotor_drive keeps [rad/s]
+model::State unpack(const model::Machine& machine, const double* y,
+                    const model::RotorSpeeds& held_rotor_speed) noexcept;
+/// The packed vector's time derivative.
+void packed_rates(const model::Machine& machine, const model::State& state,
+                  const model::Input& input, double* dy) noexcept;
+
 /// The machine's equations with the input held.
 class MachineOde : public Ode {
  public:
   explicit MachineOde(const model::Machine& machine) : machine_(machine) {}
-  int size() const noexcept override { return 2 * machine_.coordinates(); }
+  int size() const noexcept override { return packed_size(machine_); }
   void rates(double t, const double* y, double* dy) noexcept override;
 
   model::Input input;
-  model::RotorSpeeds rotor_speed{};
+  model::RotorSpeeds held_rotor_speed{};
 
  private:
   const model::Machine& machine_;
 };
-
-/// (q, v) as one vector for the stepper, and back.
-void pack(const model::State& state, int coordinates, double* y) noexcept;
-model::State unpack(const double* y, int coordinates,
-                    const model::RotorSpeeds& rotor_speed) noexcept;
 
 /// Advances a machine one tick at a time with the input held over the tick.
 class Plant {
@@ -54,8 +59,8 @@ class Plant {
 };
 
 /// Largest error [rad] of any coordinate of the rig's fixed-step plant against a tight adaptive
-/// solution, over a fixed scenario: a quarter second from the initial state, with the reference
-/// push and the drives swinging through a tenth of their torque limit.
+/// solution, over a fixed scenario: a quarter second from the initial state at nominal rotor
+/// speeds, with the reference push and the drives swinging through a tenth of their torque limit.
 double stepping_error(const Rig& rig, const model::Machine& machine);
 
 }  // namespace gyrotwin

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "services/model/contact.hpp"
+#include "services/model/forces.hpp"
 
 namespace gyrotwin::model {
 
@@ -12,109 +13,52 @@ using Eigen::Vector3d;
 
 namespace {
 
-// A stop's damping per stiffness [s], and the overshoot over which it comes in [rad].
-constexpr double kStopDamping = 0.02;
-constexpr double kStopRamp = 0.01;
-
-double overshoot(const Stop& stop, double q) {
-  return q > stop.upper ? q - stop.upper : q < stop.lower ? q - stop.lower : 0.0;
-}
-
-double stop_torque(const Stop& stop, double q, double v) {
-  const double d = overshoot(stop, q);
-  if (d == 0.0) return 0.0;
-  const double deeper = d * v > 0.0 ? v * std::min(1.0, std::abs(d) / kStopRamp) : 0.0;
-  return -stop.stiffness * (d + kStopDamping * deeper);
-}
-
-/// A moment between disc and structure, on the disc as given, on the structure opposite.
-void add_pair(const Machine& machine, const Motion& motion, const Vector3d& moment,
-              Coordinates& Q) {
-  for (int i : machine.tree.angular(machine.disc_body)) {
-    Q[i] += motion.frame[machine.disc_body].Jw[i].dot(moment);
+/// What an added mass does to M and f: as a body of that mass alone.
+void add_mass(const Machine& machine, const PointMass& added, Motion& motion) {
+  const StructurePoint point = structure_point(machine, motion, added.position);
+  for (int i = 0; i < machine.coordinates(); ++i) {
+    const Vector3d m_J = added.mass * point.J[i];
+    motion.f[i] -= m_J.dot(point.a0);
+    for (int j = 0; j <= i; ++j) motion.M(i, j) += m_J.dot(point.J[j]);
   }
-  for (int i : machine.tree.angular(0)) Q[i] -= motion.frame[0].Jw[i].dot(moment);
 }
 
-double disc_spin(const Machine& machine, const Motion& motion) {
-  const Frame& disc = motion.frame[machine.disc_body];
-  return (disc.omega - motion.frame[0].omega).dot(disc.R.col(2));
-}
-
-double rate_of(const Machine& machine, const Motion& motion, const Drive& drive,
-               const State& state) {
-  return drive.kind == Drive::Kind::kDisc ? disc_spin(machine, motion) : state.v[drive.coordinate];
-}
-
-void add_bushing(const Machine& machine, const Motion& motion, Coordinates& Q) {
-  const TiltBushing& bushing = machine.bushing;
-  const Frame& disc = motion.frame[machine.disc_body];
-  const Frame& structure = motion.frame[0];
-  const Vector3d z_D = disc.R.col(2);
-  const Vector3d tilt = structure.R.col(2).cross(z_D);
-  const Vector3d omega = disc.omega - structure.omega;
-  const double spin = omega.dot(z_D);
-  const Vector3d standing = omega - spin * z_D;                 // tilt rate seen from the structure
-  const Vector3d rotating = standing - spin * z_D.cross(tilt);  // and from the spinning disc
-  const Vector3d on_disc = -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
-                           bushing.standing_damping * standing +
-                           bushing.rotating_damping * rotating.dot(z_D.cross(tilt)) * z_D;
-  add_pair(machine, motion, on_disc, Q);
-}
-
-/// Everything in Q but the contact, which is the one part that needs the tips.
-Coordinates applied_forces(const Machine& machine, const Motion& motion, const State& state,
-                           const Input& input) {
-  const int n = machine.coordinates();
-  Coordinates Q = Coordinates::Zero();
-  for (int i = 0; i < n; ++i) Q[i] = -machine.damping[i] * state.v[i];
-  for (const Stop& stop : machine.stops) {
-    Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
+/// M and f with everything but the reaction of rotors that change their speed.
+void evaluate(const Machine& machine, const State& state, const Input& input, Motion& motion) {
+  const Vector3d weight(0.0, 0.0, machine.gravity);
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed,
+                        {input.ground_acceleration + weight, input.yaw_rate}, motion);
+  for (const PointMass& added : input.added) {
+    if (added.mass != 0.0) add_mass(machine, added, motion);
   }
-
-  // External wrench on the structure.
-  const Frame& structure = motion.frame[0];
-  const Vector3d arm = structure.R * machine.push_point;
-  const Vector3d moment = input.moment + arm.cross(input.force);
-  for (int i : machine.tree.linear(0)) Q[i] += structure.Jv[i].dot(input.force);
-  for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
-
-  // Friction, bushing and drives.
-  double disc_torque = 0.0;
-  if (machine.disc_body != kFixed) {
-    const double spin = disc_spin(machine, motion);
-    disc_torque = -machine.disc_friction.viscous * spin -
-                  machine.disc_friction.coulomb * std::tanh(spin / DiscFriction::kCreep);
-    const TiltBushing& b = machine.bushing;
-    if (b.stiffness != 0.0 || b.rotating_damping != 0.0 || b.standing_damping != 0.0) {
-      add_bushing(machine, motion, Q);
-    }
-  }
-  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
-    const Drive& drive = machine.drives[i];
-    const double rate = rate_of(machine, motion, drive, state);
-    const double torque = drive.torque(input.mode, input.drive[i], rate);
-    if (drive.kind == Drive::Kind::kDisc) {
-      disc_torque += torque;
-    } else {
-      Q[drive.coordinate] += torque;
-    }
-  }
-  if (disc_torque != 0.0) {
-    add_pair(machine, motion, disc_torque * motion.frame[machine.disc_body].R.col(2), Q);
-  }
-  return Q;
 }
 
+/// The machine alone, on a support at rest.
 void evaluate(const Machine& machine, const State& state, Motion& motion) {
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, machine.gravity, motion);
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d(0.0, 0.0, machine.gravity)},
+                        motion);
 }
 
-Coordinates all_forces(const Machine& machine, const Motion& motion, const State& state,
-                       const Input& input) {
-  Coordinates Q = applied_forces(machine, motion, state, input);
-  if (machine.track) add_contact(machine, motion, Q);
-  return Q;
+/// The moments that change the rotors' speeds are taken from the gyros' frames.
+void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, Motion& motion) {
+  const auto& bodies = tree.bodies();
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    if (bodies[b].rotor_index < 0) continue;
+    const Frame& frame = motion.frame[b];
+    const Vector3d moment = frame.R * (bodies[b].rotor * rate[bodies[b].rotor_index]);
+    for (int i : tree.angular(b)) motion.f[i] -= frame.Jw[i].dot(moment);
+  }
+}
+
+/// q'', and the motion it came from.
+Coordinates accelerate(const Machine& machine, const State& state, const Input& input,
+                       Motion& motion) {
+  evaluate(machine, state, input, motion);
+  if (machine.rotor_drive) {
+    add_rotor_reactions(machine.tree, machine.rotor_acceleration(state, input), motion);
+  }
+  return solve(motion.M, motion.f + all_forces(machine, motion, state, input),
+               machine.coordinates());
 }
 
 /// M v with the lower triangle of M.
@@ -137,27 +81,43 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   };
   State lifted{lift(state.q), lift(state.v), state.rotor_speed};
   Motion motion;
-  evaluate(free, lifted, motion);
+  evaluate(free, lifted, input, motion);
+  add_rotor_reactions(free.tree, machine.rotor_acceleration(state, input), motion);
   const Coordinates missing = times(motion, lift(acceleration), free.coordinates()) - motion.f -
                               all_forces(free, motion, lifted, input);
   return {missing[free.layout.disc_tilt[0]], missing[free.layout.disc_tilt[1]]};
 }
 
-double potential_energy(const Machine& machine, const Motion& motion, const State& state) {
-  double V = 0.0;
+void add_contact_forces(const Machine& machine, const Motion& motion, Truth& truth) {
+  const auto& bodies = machine.tree.bodies();
+  const Track& track = *machine.track;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    const int j = bodies[b].rotor_index;
+    if (j < 0) continue;
+    const TipMotion tip = tip_motion(track, motion, b);
+    truth.contact_lower[j] = normal_force(track, lower_indentation(track, motion, tip));
+    truth.contact_upper[j] = normal_force(track, upper_indentation(track, motion, tip));
+  }
+}
+
+/// Energy in the gravity field of everything, and angular momentum about the ground pivot.
+void add_bodies(const Machine& machine, const Motion& motion, const Input& input, Truth& truth) {
+  const auto add = [&](double mass, const Vector3d& p, const Vector3d& v) {
+    truth.potential_energy += mass * machine.gravity * p.z();
+    truth.angular_momentum += mass * p.cross(v);
+  };
   const auto& bodies = machine.tree.bodies();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    V += bodies[b].mass * machine.gravity * motion.p_cm[b].z();
+    const Frame& frame = motion.frame[b];
+    const Vector3d spin = bodies[b].inertia.cwiseProduct(frame.R.transpose() * frame.omega);
+    add(bodies[b].mass, motion.p_cm[b], motion.v_cm[b]);
+    truth.angular_momentum += frame.R * (spin + motion.h[b]);
   }
-  for (const Stop& stop : machine.stops) {
-    const double d = overshoot(stop, state.q[stop.coordinate]);
-    V += 0.5 * stop.stiffness * d * d;
+  for (const PointMass& added : input.added) {
+    if (added.mass == 0.0) continue;
+    const StructurePoint point = structure_point(machine, motion, added.position);
+    add(added.mass, point.p, point.v);
   }
-  if (machine.disc_body != kFixed) {
-    const double cos_tilt = motion.frame[0].R.col(2).dot(motion.frame[machine.disc_body].R.col(2));
-    V += machine.bushing.stiffness * (1.0 - cos_tilt);
-  }
-  return V;
 }
 
 }  // namespace
@@ -183,6 +143,16 @@ double Drive::torque(DriveMode mode, double command, double rate) const noexcept
   return std::clamp(wanted, low, high);
 }
 
+double RotorDrive::drag(double speed) const noexcept {
+  return viscous_drag * speed + coulomb_drag * std::tanh(speed / kCreep);
+}
+
+double RotorDrive::torque(double wanted, double speed) const noexcept {
+  const double fast = std::abs(speed);
+  const double limit = torque_limit * fast > power_limit ? power_limit / fast : torque_limit;
+  return std::clamp(wanted, -limit, limit);
+}
+
 State Machine::state(const std::vector<double>& q, const std::vector<double>& v) const {
   State state;
   std::copy_n(q.begin(), std::min<std::size_t>(q.size(), coordinates()), state.q.begin());
@@ -193,8 +163,35 @@ State Machine::state(const std::vector<double>& q, const std::vector<double>& v)
 
 Coordinates Machine::acceleration(const State& state, const Input& input) const noexcept {
   Motion motion;
-  evaluate(*this, state, motion);
-  return solve(motion.M, motion.f + all_forces(*this, motion, state, input), coordinates());
+  return accelerate(*this, state, input, motion);
+}
+
+RotorSpeeds Machine::rotor_acceleration(const State& state, const Input& input) const noexcept {
+  RotorSpeeds rate{};
+  if (!rotor_drive) return rate;
+  for (const Body& body : tree.bodies()) {
+    const int j = body.rotor_index;
+    if (j < 0) continue;
+    const double Ia = body.rotor.norm();
+    const double n = state.rotor_speed[j];
+    const double drag = rotor_drive->drag(n);
+    const double wanted = Ia * (nominal_rotor_speed[j] - n) / rotor_drive->time_constant + drag;
+    const double torque = input.rotor_powered[j] ? rotor_drive->torque(wanted, n) : 0.0;
+    const double brake = input.rotor_brake[j] * std::tanh(n / RotorDrive::kCreep);
+    rate[j] = (torque - drag - brake) / Ia;
+  }
+  return rate;
+}
+
+InertialReading Machine::inertial(const State& state, const Input& input,
+                                  const Vector3d& point) const noexcept {
+  Motion motion;
+  const Coordinates acceleration = accelerate(*this, state, input, motion);
+  const StructurePoint imu = structure_point(*this, motion, point);
+  Vector3d a = imu.a0;
+  for (int i = 0; i < coordinates(); ++i) a += imu.J[i] * acceleration[i];
+  const Eigen::Matrix3d& R = motion.frame[0].R;
+  return {R.transpose() * motion.frame[0].omega, R.transpose() * a};
 }
 
 double Machine::drive_rate(int drive, const State& state) const noexcept {
@@ -253,30 +250,19 @@ State Machine::recall(const Observation& observation) const noexcept {
 Truth Machine::truth(const State& state, const Input& input) const noexcept {
   Truth truth;
   Motion motion;
-  evaluate(*this, state, motion);
+  if (unheld) {
+    const Coordinates acceleration = accelerate(*this, state, input, motion);
+    truth.holding_moment = holding_moment(*this, state, acceleration, input);
+  } else {
+    evaluate(*this, state, input, motion);
+  }
 
   truth.kinetic_energy = 0.5 * state.v.dot(times(motion, state.v, coordinates()));
-  truth.potential_energy = potential_energy(*this, motion, state);
-  const auto& bodies = tree.bodies();
-  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
-    const Frame& frame = motion.frame[b];
-    const Vector3d spin = bodies[b].inertia.cwiseProduct(frame.R.transpose() * frame.omega);
-    truth.angular_momentum +=
-        bodies[b].mass * motion.p_cm[b].cross(motion.v_cm[b]) + frame.R * (spin + motion.h[b]);
-    if (!track || bodies[b].rotor_index < 0) continue;
-    const TipMotion tip = tip_motion(*track, motion, b);
-    const Indentation lower = lower_indentation(*track, motion, tip);
-    const Indentation upper = upper_indentation(*track, motion, tip);
-    truth.contact_lower[bodies[b].rotor_index] = normal_force(*track, lower);
-    truth.contact_upper[bodies[b].rotor_index] = normal_force(*track, upper);
-    truth.potential_energy += contact_energy(*track, lower) + contact_energy(*track, upper);
-  }
+  add_bodies(*this, motion, input, truth);
+  truth.potential_energy += spring_energy(*this, motion, state);
+  truth.load_cell = load_cell_force(*this, motion, input);
+  if (track) add_contact_forces(*this, motion, truth);
 
-  if (unheld) {
-    const Coordinates Q = all_forces(*this, motion, state, input);
-    truth.holding_moment =
-        holding_moment(*this, state, solve(motion.M, motion.f + Q, coordinates()), input);
-  }
   truth.gimbal_margin = std::numeric_limits<double>::infinity();
   for (const Stop& stop : stops) {
     const double q = state.q[stop.coordinate];
@@ -286,8 +272,9 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
     const double rate = rate_of(*this, motion, drives[i], state);
     const double torque = drives[i].torque(input.mode, input.drive[i], rate);
     const auto [low, high] = drives[i].range(rate);
-    truth.drive_torque[i] = torque;
-    truth.drive_margin[i] = torque >= 0.0 ? high - torque : torque - low;
+    const double margin = torque >= 0.0 ? high - torque : torque - low;
+    truth.drive_torque[i] = input.drive_strength[i] * torque;
+    truth.drive_margin[i] = input.drive_strength[i] * margin;
   }
   return truth;
 }

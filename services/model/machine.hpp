@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +17,7 @@ namespace gyrotwin::model {
 inline constexpr double kGravity = 9.81;  ///< [m/s^2]
 inline constexpr int kMaxDrives = 4;
 inline constexpr int kMaxGyros = kMaxRotors;
+inline constexpr int kMaxAddedMasses = 4;
 
 /// What changes in time. Entries beyond the machine's coordinates and rotors are 0.
 struct State {
@@ -22,7 +25,11 @@ struct State {
   Coordinates v = Coordinates::Zero();  ///< their rates [rad/s]
   RotorSpeeds rotor_speed{};  ///< relative to the gyro's frame, about its spin axis [rad/s]
 
-  bool finite() const noexcept { return q.allFinite() && v.allFinite(); }
+  bool finite() const noexcept {
+    return q.allFinite() && v.allFinite() &&
+           std::all_of(rotor_speed.begin(), rotor_speed.end(),
+                       [](double n) { return std::isfinite(n); });
+  }
 };
 
 /// How Input::drive is meant.
@@ -33,12 +40,27 @@ enum class DriveMode : std::uint8_t {
   kBrake,        ///< motor shorted; without a motor a damping [N m s/rad], within the torque limit
 };
 
-/// What acts on the machine from outside.
+/// A mass that rides on the structure without being part of it.
+struct PointMass {
+  double mass = 0.0;                                   ///< [kg]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< structure frame [m]
+};
+
+/// What acts on the machine from outside, healthy drives and rotors unless said otherwise.
 struct Input {
   DriveMode mode = DriveMode::kTorque;
   std::array<double, kMaxDrives> drive{};            ///< per drive, unit as in mode
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< world, at the structure's push point [N]
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< world, on the structure [N m]
+
+  /// Of the support; world axes, which turn with it [m/s^2].
+  Eigen::Vector3d ground_acceleration = Eigen::Vector3d::Zero();
+  double yaw_rate = 0.0;  ///< of the support and the world axes about z, steady [rad/s]
+  std::array<PointMass, kMaxAddedMasses> added{};
+
+  std::array<double, kMaxDrives> drive_strength{1, 1, 1, 1};  ///< share of the torque that arrives
+  std::array<bool, kMaxGyros> rotor_powered{true, true, true, true};
+  std::array<double, kMaxGyros> rotor_brake{};  ///< torque against the spin, at most [N m]
 };
 
 /// A DC motor behind a gear; the electrical time constant is neglected.
@@ -101,6 +123,37 @@ struct DiscFriction {
   double coulomb = 0.0;                   ///< fcD [N m]
 };
 
+/// What keeps the flywheels at speed: a regulated motor each, limited in power and torque, against
+/// drag. Off, a rotor coasts down. README.md, section 3.
+struct RotorDrive {
+  static constexpr double kCreep = 1.0;  ///< drag and brake turn with tanh(n / kCreep) [rad/s]
+  double power_limit;                    ///< P, of one rotor's motor, mechanical [W]
+  double torque_limit;                   ///< [N m]
+  double time_constant;                  ///< T of the speed regulator [s]
+  double viscous_drag;                   ///< [N m s/rad]
+  double coulomb_drag;                   ///< [N m]
+
+  /// Against the spin, at a speed [rad/s] [N m].
+  double drag(double speed) const noexcept;
+  /// What the motor exerts when asked for `wanted` [N m] at a speed [rad/s].
+  double torque(double wanted, double speed) const noexcept;
+};
+
+/// A stiff cell between a point of the structure and the ground, loaded along one direction.
+struct LoadCell {
+  Eigen::Vector3d point;      ///< structure frame [m]
+  Eigen::Vector3d direction;  ///< world, unit: the structure presses on the cell along it
+  double stiffness;           ///< [N/m]
+  double damping;             ///< [N s/m]
+  double rest = 0.0;  ///< where the point is, along the direction, with the cell unloaded [m]
+};
+
+/// What an inertial measurement unit on the structure feels; structure axes.
+struct InertialReading {
+  Eigen::Vector3d angular_velocity;  ///< [rad/s], in space: the support's turning included
+  Eigen::Vector3d specific_force;    ///< acceleration minus gravity [m/s^2]
+};
+
 /// Where the quantities that people name are among the coordinates; kFixed where a machine has
 /// none.
 struct Layout {
@@ -130,16 +183,19 @@ struct Observation {
 struct Truth {
   std::array<double, kMaxGyros> contact_lower{}, contact_upper{};  ///< normal forces [N]
   std::array<double, 2>
-      holding_moment{};           ///< about x, y, by an external support; mount `level` [N m]
-  double kinetic_energy = 0.0;    ///< quadratic part T2: constant rotor spin left out [J]
-  double potential_energy = 0.0;  ///< gravity, stops, contact and bushing springs [J]
-  Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();  ///< about the ground pivot [N m s]
+      holding_moment{};         ///< about x, y, by an external support; mount `level` [N m]
+  double kinetic_energy = 0.0;  ///< T2, quadratic in the rates: seen from the support, the rotors'
+                                ///< own spin left out [J]
+  double potential_energy = 0.0;  ///< gravity and the springs of stops, contact, bushing, cell [J]
+  Eigen::Vector3d angular_momentum =
+      Eigen::Vector3d::Zero();                    ///< about the ground pivot, in space [N m s]
   double gimbal_margin = 0.0;                     ///< to the closest stop, < 0 in it [rad]
-  std::array<double, kMaxDrives> drive_torque{};  ///< what the drives exert [N m]
+  std::array<double, kMaxDrives> drive_torque{};  ///< what arrives of the drives [N m]
   std::array<double, kMaxDrives> drive_margin{};  ///< what they could add in that direction [N m]
+  double load_cell = 0.0;                         ///< > 0: the structure presses on it [N]
 };
 
-/// Made by build(UmbrellaParameters) and build(GimballedParameters); body 0 is the structure.
+/// Made by the build() of the parameters of each kind; body 0 is the structure.
 struct Machine {
   Tree tree;
   Layout layout;
@@ -153,7 +209,9 @@ struct Machine {
   int disc_body = kFixed;  ///< partner of the structure for friction, bushing and disc drive
   DiscFriction disc_friction{};
   TiltBushing bushing{};
-  std::optional<Track> track{};  ///< the gyros are the bodies with a rotor
+  std::optional<Track> track{};             ///< the gyros are the bodies with a rotor
+  std::optional<RotorDrive> rotor_drive{};  ///< absent: rotors keep their speed, whatever happens
+  std::optional<LoadCell> load_cell{};
   /// Mount `level` only: the same machine with the disc free, which tells the holding moment.
   std::shared_ptr<const Machine> unheld{};
 
@@ -164,13 +222,19 @@ struct Machine {
   /// q'' [rad/s^2]. Not finite where the mass matrix is singular (|thy| = 90 deg). Does not
   /// allocate.
   Coordinates acceleration(const State& state, const Input& input) const noexcept;
+  /// n' [rad/s^2] of the rotors relative to their frames; 0 without a rotor_drive.
+  RotorSpeeds rotor_acceleration(const State& state, const Input& input) const noexcept;
+  /// What an IMU at `point` (structure frame [m]) feels.
+  InertialReading inertial(const State& state, const Input& input,
+                           const Eigen::Vector3d& point) const noexcept;
   /// Rate that drive i works against [rad/s].
   double drive_rate(int drive, const State& state) const noexcept;
   Observation observe(const State& state) const noexcept;
   /// Inverse of observe(); the observation must come from the same machine.
   State recall(const Observation& observation) const noexcept;
   Truth truth(const State& state, const Input& input) const noexcept;
-  /// dL/dq' = M v + rotor momenta: conserved for coordinates that nothing acts on [N m s].
+  /// dL/dq' = M v + rotor momenta, of the machine without added masses on a support at rest:
+  /// conserved for coordinates that nothing acts on [N m s].
   Coordinates generalised_momentum(const State& state) const noexcept;
   /// Angle between the structure's axis and the vertical [rad].
   double tilt(const State& state) const noexcept;

@@ -77,7 +77,7 @@ Tree::Tree(std::vector<Body> bodies, int coordinates)
 }
 
 void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeeds& rotor_speed,
-                    double gravity, Motion& motion) const noexcept {
+                    const Support& support, Motion& motion) const noexcept {
   motion.M.setZero();
   motion.f.setZero();
 
@@ -94,11 +94,12 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
     Frame& frame = motion.frame[b];
 
     // The pivot, carried by the position parent.
-    frame.p.setZero();
-    frame.v.setZero();
-    frame.a0.setZero();
     for (int i : resolved.linear) frame.Jv[i].setZero();
-    if (body.position_parent != kGround) {
+    if (body.position_parent == kGround) {
+      frame.p.setZero();
+      frame.v.setZero();
+      frame.a0 = support.acceleration;
+    } else {
       const Frame& parent = motion.frame[body.position_parent];
       const Vector3d rho = parent.R * body.pivot;
       frame.p = parent.p + rho;
@@ -123,7 +124,7 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
       for (int i : angular(body.orientation_parent)) frame.Jw[i] = parent.Jw[i];
     } else {
       frame.R.setIdentity();
-      frame.omega.setZero();
+      frame.omega = {0.0, 0.0, support.yaw_rate};
       frame.alpha0.setZero();
     }
     for (int r = 0; r < resolved.rotations; ++r) {
@@ -148,7 +149,7 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
       turn(frame.R, rotation.axis, s, c);
     }
 
-    // Linear inertia and weight, at the centre of mass.
+    // Linear inertia, weight in it, at the centre of mass.
     Jacobian at_cm;
     const Jacobian& Jv = resolved.cm_at_pivot ? frame.Jv : at_cm;
     Vector3d a0 = frame.a0;
@@ -165,7 +166,6 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
       for (int i : resolved.only_angular) at_cm[i].setZero();
       for (int i : resolved.angular) add_cross(at_cm[i], frame.Jw[i], rho);
     }
-    a0.z() += gravity;
     for (int i : resolved.linear_cm) {
       const Vector3d m_Jv = body.mass * Jv[i];
       motion.f[i] -= m_Jv.dot(a0);

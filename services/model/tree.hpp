@@ -57,13 +57,19 @@ struct IndexList {
 
 using Jacobian = std::array<Eigen::Vector3d, kMaxCoordinates>;
 
+/// What carries the tree. World axes turn with it; weight is an upward acceleration.
+struct Support {
+  Eigen::Vector3d acceleration;  ///< of the ground pivot, minus gravity; at rest (0, 0, g) [m/s^2]
+  double yaw_rate = 0.0;         ///< about z, steady [rad/s]
+};
+
 /// Motion of one body at one instant; world axes, the point meant is the pivot.
 struct Frame {
   Eigen::Matrix3d R;       ///< world <- body
   Eigen::Vector3d p;       ///< pivot [m]
-  Eigen::Vector3d v;       ///< velocity of the pivot [m/s]
-  Eigen::Vector3d omega;   ///< angular velocity [rad/s]
-  Eigen::Vector3d a0;      ///< acceleration of the pivot at q'' = 0 [m/s^2]
+  Eigen::Vector3d v;       ///< velocity of the pivot against the ground pivot [m/s]
+  Eigen::Vector3d omega;   ///< angular velocity, in space [rad/s]
+  Eigen::Vector3d a0;      ///< acceleration of the pivot at q'' = 0, minus gravity [m/s^2]
   Eigen::Vector3d alpha0;  ///< angular acceleration at q'' = 0 [rad/s^2]
   Jacobian Jv;             ///< d v / d q'_i, meaningful for i in Tree::linear(body)
   Jacobian Jw;             ///< d omega / d q'_i, meaningful for i in Tree::angular(body)
@@ -95,10 +101,10 @@ class Tree {
   const IndexList& linear(int body) const { return resolved_[body].linear; }
   const IndexList& angular(int body) const { return resolved_[body].angular; }
 
-  /// Fills `motion` at (q, v) [rad, rad/s]; gravity [m/s^2] along -z; rotor speeds [rad/s].
-  /// Constant rotor speeds are assumed. Does not allocate.
+  /// Fills `motion` at (q, v) [rad, rad/s]; rotor speeds [rad/s], constant at the moment. Does not
+  /// allocate.
   void evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeeds& rotor_speed,
-                double gravity, Motion& motion) const noexcept;
+                const Support& support, Motion& motion) const noexcept;
 
  private:
   struct ResolvedRotation {

@@ -29,7 +29,8 @@ constexpr int kFirstGyro = 2;
 
 Motion motion_of(const Machine& machine, const State& state) {
   Motion motion;
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, machine.gravity, motion);
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d(0, 0, machine.gravity)},
+                        motion);
   return motion;
 }
 

@@ -40,6 +40,11 @@ std::vector<Machine> every_machine(Random& random) {
        {model::Arrangement::kSingle, model::Arrangement::kPair, model::Arrangement::kTwoPairs}) {
     machines.push_back(model::build(random.gimballed(arrangement)));
   }
+  machines.push_back(model::build(random.gyroscope()));
+  for (Machine& machine : machines) {
+    machine.rotor_drive = random.rotor_drive();
+    machine.load_cell = random.load_cell();
+  }
   return machines;
 }
 
@@ -114,11 +119,13 @@ TEST(Invariance, EvaluationsDoNotAllocate) {
   Random random(3);
   for (const Machine& machine : every_machine(random)) {
     const State state = random.state(machine, 0.3, 2.0);
-    const Input input;
+    const Input input = random.input();
     double sum = 0.0;
     const AllocationCounter allocations;
     for (int i = 0; i < 10; ++i) {
       sum += machine.acceleration(state, input)[0] + machine.truth(state, input).kinetic_energy;
+      sum += machine.rotor_acceleration(state, input)[0];
+      sum += machine.inertial(state, input, machine.push_point).specific_force.x();
       sum += machine.recall(machine.observe(state)).q[0] + machine.drive_rate(0, state);
     }
     EXPECT_EQ(allocations.count(), 0);
@@ -217,6 +224,12 @@ TEST(MachineContract, TruthSaysWhatTheDriveStillCan) {
   const model::Truth truth = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
   EXPECT_EQ(truth.drive_torque[0], -5.0);
   EXPECT_EQ(truth.drive_margin[0], 25.0);
+
+  // A weak drive: of what it would exert, a share arrives.
+  input.drive_strength[0] = 0.5;
+  const model::Truth weak = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
+  EXPECT_EQ(weak.drive_torque[0], -2.5);
+  EXPECT_EQ(weak.drive_margin[0], 12.5);
 }
 
 }  // namespace

@@ -206,4 +206,22 @@ Coordinates two_pairs_acceleration(const model::GimballedParameters& p, const mo
   return a;
 }
 
+Coordinates gyroscope_acceleration(const model::GyroscopeParameters& p, const model::State& state,
+                                   double tau, double weight) {
+  const auto& y = p.gyro;
+  const double psi_t = state.v[0], tg_t = state.v[1];
+  const double s = std::sin(state.q[1]), c = std::cos(state.q[1]);
+  const double J = y.inertia_transverse + y.mass * y.cm_distance * y.cm_distance;
+  const double Jpsi = y.post_inertia + J * c * c + y.inertia_axial * s * s;
+  const double dJpsi = 2 * (y.inertia_axial - J) * s * c;
+  const double h = y.rotor_inertia * y.rotor_speed;
+  Coordinates a = Coordinates::Zero();
+  a[0] = (-dJpsi * tg_t * psi_t - h * c * tg_t - y.post_damping * psi_t + tau) / Jpsi;
+  a[1] = (dJpsi / 2 * psi_t * psi_t + h * c * psi_t - y.mass * g * y.cm_distance * c -
+          weight * y.axle_length * c - y.hinge_damping * tg_t +
+          stop_torque(-y.stop, y.stop, y.stop_stiffness, state.q[1], tg_t)) /
+         J;
+  return a;
+}
+
 }  // namespace gyrotwin::reference

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "services/model/gimballed.hpp"
+#include "services/model/gyroscope.hpp"
 #include "services/model/umbrella.hpp"
 
 namespace gyrotwin::reference {
@@ -34,5 +35,9 @@ model::Coordinates single_acceleration(const model::GimballedParameters& paramet
 /// q'' of (thx, thy, qA, qB) under gimbal torques [N m].
 model::Coordinates two_pairs_acceleration(const model::GimballedParameters& parameters,
                                           const model::State& state, double uA, double uB);
+
+/// q'' of (psi, tg) under a torque tau [N m] on the post and a weight [N] at the tip.
+model::Coordinates gyroscope_acceleration(const model::GyroscopeParameters& parameters,
+                                          const model::State& state, double tau, double weight);
 
 }  // namespace gyrotwin::reference

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "services/model/gimballed.hpp"
+#include "services/model/gyroscope.hpp"
 #include "services/model/umbrella.hpp"
 
 namespace gyrotwin::reference {
@@ -69,6 +70,38 @@ class Random {
                between(0.1, 1)};
     p.torque_limit = 1e9;
     return p;
+  }
+
+  model::GyroscopeParameters gyroscope() {
+    return {{between(0.5, 5), between(0.002, 0.05), between(0.002, 0.05), between(0.001, 0.01),
+             between(-1500, 1500), between(0.05, 0.3), between(0.1, 0.4), 0.8, 2e3,
+             between(0.01, 0.1), between(0.01, 0.1), between(0.001, 0.05)},
+            1e9};
+  }
+
+  /// Motors far from their limits at nominal speed, and drag of every kind.
+  model::RotorDrive rotor_drive() {
+    return {1e6, 1e3, between(0.1, 1), between(1e-6, 1e-4), between(1e-3, 1e-2)};
+  }
+
+  model::LoadCell load_cell() {
+    return {vector(0.5), vector(1.0).normalized(), between(1e3, 1e5), between(1, 100)};
+  }
+
+  /// Everything an input can hold, some motors off and all rotors braked.
+  model::Input input() {
+    model::Input input;
+    input.mode = model::DriveMode::kIdealTorque;
+    for (double& drive : input.drive) drive = between(-5, 5);
+    input.force = vector(5.0);
+    input.moment = vector(5.0);
+    input.ground_acceleration = vector(3.0);
+    input.yaw_rate = between(-1, 1);
+    for (model::PointMass& added : input.added) added = {between(0.1, 1), vector(0.3)};
+    for (double& strength : input.drive_strength) strength = between(0, 1);
+    for (bool& powered : input.rotor_powered) powered = between(0, 1) < 0.5;
+    for (double& brake : input.rotor_brake) brake = between(0, 1);
+    return input;
   }
 
   /// Angles within +-angle, rates within +-rate; rotors at their nominal speeds.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "services/model/machine.hpp"
 #include "tests/support/extrapolation.hpp"
@@ -14,18 +15,25 @@ namespace gyrotwin::reference {
 template <typename Law, typename Observe>
 model::State simulate(const model::Machine& machine, const model::State& start, double duration,
                       const Law& law, const Tolerance& tolerance, const Observe& observe) {
-  using Y = Eigen::Matrix<double, 2 * model::kMaxCoordinates, 1>;
-  const auto state_of = [&start](const Y& y) {
-    return model::State{y.head<model::kMaxCoordinates>(), y.tail<model::kMaxCoordinates>(),
-                        start.rotor_speed};
+  constexpr int n = model::kMaxCoordinates;
+  using Y = Eigen::Matrix<double, 2 * n + model::kMaxRotors, 1>;
+  const auto pack = [](const model::Coordinates& q, const model::Coordinates& v,
+                       const model::RotorSpeeds& rotor_speed) {
+    Y y;
+    y << q, v, Eigen::Map<const Eigen::Matrix<double, model::kMaxRotors, 1>>(rotor_speed.data());
+    return y;
   };
-  Y y;
-  y << start.q, start.v;
+  const auto state_of = [](const Y& y) {
+    model::State state{y.head<n>(), y.segment<n>(n), {}};
+    std::copy_n(y.data() + 2 * n, model::kMaxRotors, state.rotor_speed.begin());
+    return state;
+  };
+  const Y y = pack(start.q, start.v, start.rotor_speed);
   const auto rhs = [&](double t, const Y& x) {
     const model::State state = state_of(x);
-    Y dx;
-    dx << state.v, machine.acceleration(state, law(t, state));
-    return dx;
+    const model::Input input = law(t, state);
+    return pack(state.v, machine.acceleration(state, input),
+                machine.rotor_acceleration(state, input));
   };
   return state_of(integrate(rhs, y, 0.0, duration, tolerance,
                             [&](double t, const Y& x) { return observe(t, state_of(x)); }));

@@ -1,0 +1,184 @@
+#include "services/model/forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/model/contact.hpp"
+
+namespace gyrotwin::model {
+
+using Eigen::Vector3d;
+
+namespace {
+
+// A stop's damping per stiffness [s], and the overshoot over which it comes in [rad].
+constexpr double kStopDamping = 0.02;
+constexpr double kStopRamp = 0.01;
+
+double overshoot(const Stop& stop, double q) {
+  return q > stop.upper ? q - stop.upper : q < stop.lower ? q - stop.lower : 0.0;
+}
+
+double stop_torque(const Stop& stop, double q, double v) {
+  const double d = overshoot(stop, q);
+  if (d == 0.0) return 0.0;
+  const double deeper = d * v > 0.0 ? v * std::min(1.0, std::abs(d) / kStopRamp) : 0.0;
+  return -stop.stiffness * (d + kStopDamping * deeper);
+}
+
+/// A moment between disc and structure, on the disc as given, on the structure opposite.
+void add_pair(const Machine& machine, const Motion& motion, const Vector3d& moment,
+              Coordinates& Q) {
+  for (int i : machine.tree.angular(machine.disc_body)) {
+    Q[i] += motion.frame[machine.disc_body].Jw[i].dot(moment);
+  }
+  for (int i : machine.tree.angular(0)) Q[i] -= motion.frame[0].Jw[i].dot(moment);
+}
+
+double disc_spin(const Machine& machine, const Motion& motion) {
+  const Frame& disc = motion.frame[machine.disc_body];
+  return (disc.omega - motion.frame[0].omega).dot(disc.R.col(2));
+}
+
+void add_bushing(const Machine& machine, const Motion& motion, Coordinates& Q) {
+  const TiltBushing& bushing = machine.bushing;
+  const Frame& disc = motion.frame[machine.disc_body];
+  const Frame& structure = motion.frame[0];
+  const Vector3d z_D = disc.R.col(2);
+  const Vector3d tilt = structure.R.col(2).cross(z_D);
+  const Vector3d omega = disc.omega - structure.omega;
+  const double spin = omega.dot(z_D);
+  const Vector3d standing = omega - spin * z_D;                 // tilt rate seen from the structure
+  const Vector3d rotating = standing - spin * z_D.cross(tilt);  // and from the spinning disc
+  const Vector3d on_disc = -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
+                           bushing.standing_damping * standing +
+                           bushing.rotating_damping * rotating.dot(z_D.cross(tilt)) * z_D;
+  add_pair(machine, motion, on_disc, Q);
+}
+
+double disc_friction(const Machine& machine, const Motion& motion) {
+  const double spin = disc_spin(machine, motion);
+  return -machine.disc_friction.viscous * spin -
+         machine.disc_friction.coulomb * std::tanh(spin / DiscFriction::kCreep);
+}
+
+/// How far the structure has moved into the load cell [m].
+double compression(const LoadCell& cell, const StructurePoint& point) {
+  return cell.direction.dot(point.p - cell.point) - cell.rest;
+}
+
+double load_cell_force(const LoadCell& cell, const StructurePoint& point, double yaw_rate) {
+  const Vector3d v_rel = point.v - Vector3d(0.0, 0.0, yaw_rate).cross(point.p);
+  return cell.stiffness * compression(cell, point) + cell.damping * cell.direction.dot(v_rel);
+}
+
+/// Everything in Q but contact and load cell.
+Coordinates applied_forces(const Machine& machine, const Motion& motion, const State& state,
+                           const Input& input) {
+  const int n = machine.coordinates();
+  Coordinates Q = Coordinates::Zero();
+  for (int i = 0; i < n; ++i) Q[i] = -machine.damping[i] * state.v[i];
+  for (const Stop& stop : machine.stops) {
+    Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
+  }
+
+  // External wrench on the structure.
+  const Frame& structure = motion.frame[0];
+  const Vector3d arm = structure.R * machine.push_point;
+  const Vector3d moment = input.moment + arm.cross(input.force);
+  for (int i : machine.tree.linear(0)) Q[i] += structure.Jv[i].dot(input.force);
+  for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
+
+  // Friction, bushing and drives.
+  double disc_torque = 0.0;
+  if (machine.disc_body != kFixed) {
+    disc_torque = disc_friction(machine, motion);
+    const TiltBushing& b = machine.bushing;
+    if (b.stiffness != 0.0 || b.rotating_damping != 0.0 || b.standing_damping != 0.0) {
+      add_bushing(machine, motion, Q);
+    }
+  }
+  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
+    const Drive& drive = machine.drives[i];
+    const double rate = rate_of(machine, motion, drive, state);
+    const double torque = input.drive_strength[i] * drive.torque(input.mode, input.drive[i], rate);
+    if (drive.kind == Drive::Kind::kDisc) {
+      disc_torque += torque;
+    } else {
+      Q[drive.coordinate] += torque;
+    }
+  }
+  if (disc_torque != 0.0) {
+    add_pair(machine, motion, disc_torque * motion.frame[machine.disc_body].R.col(2), Q);
+  }
+  return Q;
+}
+
+}  // namespace
+
+StructurePoint structure_point(const Machine& machine, const Motion& motion,
+                               const Vector3d& position) noexcept {
+  const Frame& structure = motion.frame[0];
+  StructurePoint point;
+  point.arm = structure.R * position;
+  point.p = structure.p + point.arm;
+  const Vector3d v_arm = structure.omega.cross(point.arm);
+  point.v = structure.v + v_arm;
+  point.a0 = structure.a0 + structure.alpha0.cross(point.arm) + structure.omega.cross(v_arm);
+  point.J.fill(Vector3d::Zero());
+  for (int i : machine.tree.linear(0)) point.J[i] = structure.Jv[i];
+  for (int i : machine.tree.angular(0)) point.J[i] += structure.Jw[i].cross(point.arm);
+  return point;
+}
+
+double rate_of(const Machine& machine, const Motion& motion, const Drive& drive,
+               const State& state) noexcept {
+  return drive.kind == Drive::Kind::kDisc ? disc_spin(machine, motion) : state.v[drive.coordinate];
+}
+
+double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept {
+  if (!machine.load_cell) return 0.0;
+  const StructurePoint point = structure_point(machine, motion, machine.load_cell->point);
+  return load_cell_force(*machine.load_cell, point, input.yaw_rate);
+}
+
+Coordinates all_forces(const Machine& machine, const Motion& motion, const State& state,
+                       const Input& input) noexcept {
+  Coordinates Q = applied_forces(machine, motion, state, input);
+  if (machine.track) add_contact(machine, motion, Q);
+  if (machine.load_cell) {
+    const LoadCell& cell = *machine.load_cell;
+    const StructurePoint point = structure_point(machine, motion, cell.point);
+    const Vector3d force = -load_cell_force(cell, point, input.yaw_rate) * cell.direction;
+    for (int i = 0; i < machine.coordinates(); ++i) Q[i] += point.J[i].dot(force);
+  }
+  return Q;
+}
+
+double spring_energy(const Machine& machine, const Motion& motion, const State& state) noexcept {
+  double V = 0.0;
+  for (const Stop& stop : machine.stops) {
+    const double d = overshoot(stop, state.q[stop.coordinate]);
+    V += 0.5 * stop.stiffness * d * d;
+  }
+  if (machine.disc_body != kFixed) {
+    const double cos_tilt = motion.frame[0].R.col(2).dot(motion.frame[machine.disc_body].R.col(2));
+    V += machine.bushing.stiffness * (1.0 - cos_tilt);
+  }
+  if (machine.load_cell) {
+    const double x =
+        compression(*machine.load_cell, structure_point(machine, motion, machine.load_cell->point));
+    V += 0.5 * machine.load_cell->stiffness * x * x;
+  }
+  if (!machine.track) return V;
+  const auto& bodies = machine.tree.bodies();
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    if (bodies[b].rotor_index < 0) continue;
+    const TipMotion tip = tip_motion(*machine.track, motion, b);
+    V += contact_energy(*machine.track, lower_indentation(*machine.track, motion, tip)) +
+         contact_energy(*machine.track, upper_indentation(*machine.track, motion, tip));
+  }
+  return V;
+}
+
+}  // namespace gyrotwin::model
