@@ -10,6 +10,7 @@
 #include "gyrotwin/command_t.hpp"
 #include "gyrotwin/reply_t.hpp"
 #include "gyrotwin/request_t.hpp"
+#include "gyrotwin/sensors_t.hpp"
 #include "gyrotwin/state_t.hpp"
 #include "gyrotwin/status_t.hpp"
 #include "gyrotwin/truth_t.hpp"
@@ -25,6 +26,7 @@ enum class Channel : std::uint8_t {
   kTruth = 4,
   kIntegratorStatus = 5,
   kControllerStatus = 6,
+  kSensors = 7,
 };
 
 /// Slots of the per-channel counters in status_t; room for channels to come.
@@ -46,13 +48,15 @@ inline constexpr std::size_t kWireSize<state_t> = 304;
 template <>
 inline constexpr std::size_t kWireSize<command_t> = 160;
 template <>
-inline constexpr std::size_t kWireSize<request_t> = 304;
+inline constexpr std::size_t kWireSize<request_t> = 448;
 template <>
-inline constexpr std::size_t kWireSize<reply_t> = 280;
+inline constexpr std::size_t kWireSize<reply_t> = 288;
 template <>
-inline constexpr std::size_t kWireSize<truth_t> = 304;
+inline constexpr std::size_t kWireSize<truth_t> = 448;
 template <>
-inline constexpr std::size_t kWireSize<status_t> = 1080;
+inline constexpr std::size_t kWireSize<status_t> = 1088;
+template <>
+inline constexpr std::size_t kWireSize<sensors_t> = 264;
 
 /// One row of the table.
 struct ChannelSpec {
@@ -62,7 +66,7 @@ struct ChannelSpec {
   std::size_t size;         ///< encoded size [bytes], fingerprint included
 };
 
-inline constexpr std::array<ChannelSpec, 7> kChannels{{
+inline constexpr std::array<ChannelSpec, 8> kChannels{{
     {Channel::kState, "LIVE/STATE", "state_t", kWireSize<state_t>},
     {Channel::kCommand, "LIVE/COMMAND", "command_t", kWireSize<command_t>},
     {Channel::kRequest, "REQUEST", "request_t", kWireSize<request_t>},
@@ -70,6 +74,7 @@ inline constexpr std::array<ChannelSpec, 7> kChannels{{
     {Channel::kTruth, "SIM/TRUTH", "truth_t", kWireSize<truth_t>},
     {Channel::kIntegratorStatus, "INTEGRATOR/STATUS", "status_t", kWireSize<status_t>},
     {Channel::kControllerStatus, "CONTROLLER/STATUS", "status_t", kWireSize<status_t>},
+    {Channel::kSensors, "LIVE/SENSORS", "sensors_t", kWireSize<sensors_t>},
 }};
 
 /// Row of a channel.

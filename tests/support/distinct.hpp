@@ -55,32 +55,41 @@ inline void fill(command_t& m, Distinct& set) {
 
 inline void fill(request_t& m, Distinct& set) {
   fill(m.header, set);
-  set(m.verb, m.initial_given, m.initial_q, m.initial_v, m.speed_factor, m.step_ticks,
-      m.disturbance, m.reserved, m.force_n, m.moment_nm, m.start_tick, m.duration_ns, m.owner_epoch,
-      m.writer, m.counter, m.mac);
+  set(m.verb, m.kind, m.initial_given, m.target, m.initial_q, m.initial_v, m.speed_factor,
+      m.step_ticks, m.id, m.start_tick, m.duration_ns, m.rise_ns, m.seed, m.force_n, m.moment_nm,
+      m.frequency_hz, m.speed_m_s, m.direction_rad, m.turbulence_m_s, m.length_m, m.correlation_s,
+      m.yaw_rate_rad_s, m.deceleration_m_s2, m.mass_kg, m.position_m, m.level, m.delay_ns,
+      m.owner_epoch, m.writer, m.counter, m.mac);
 }
 
 inline void fill(reply_t& m, Distinct& set) {
   fill(m.header, set);
-  set(m.request_writer, m.request_counter, m.verb, m.result, m.applied_tick, m.text, m.mac);
+  set(m.request_writer, m.request_counter, m.verb, m.result, m.applied_tick, m.id, m.text, m.mac);
 }
 
 inline void fill(truth_t& m, Distinct& set) {
   fill(m.header, set);
-  set(m.contact_lower_n, m.contact_upper_n, m.holding_moment_nm, m.kinetic_energy_j,
+  set(m.q, m.v, m.contact_lower_n, m.contact_upper_n, m.holding_moment_nm, m.kinetic_energy_j,
       m.potential_energy_j, m.angular_momentum_nms, m.external_force_n, m.external_moment_nm,
+      m.ground_acceleration_m_s2, m.yaw_rate_rad_s, m.added_mass_kg, m.load_cell_n,
       m.tilt_margin_rad, m.gimbal_margin_rad, m.drive_margin_nm, m.mac);
 }
 
 inline void fill(status_t& m, Distinct& set) {
   fill(m.header, set);
-  set(m.service, m.mode, m.clock, m.pid, m.host, m.text, m.speed_factor, m.tick_period_ns,
-      m.overruns, m.skipped_ticks, m.rhs_evaluations_max, m.lateness_p50_ns, m.lateness_p99_ns,
-      m.lateness_max_ns, m.compute_p50_ns, m.compute_p99_ns, m.compute_max_ns, m.command_writer,
-      m.command_counter, m.request_writer, m.request_counter, m.refused_not_finite, m.refused_epoch,
-      m.refused_expired, m.refused_counter, m.refused_writer, m.malformed, m.foreign, m.other_rig,
-      m.unauthentic, m.kernel_dropped, m.send_failed, m.sent, m.received, m.gaps, m.repeats,
-      m.reordered, m.mac);
+  set(m.service, m.mode, m.clock, m.disturbances, m.faults, m.pid, m.host, m.text, m.speed_factor,
+      m.tick_period_ns, m.overruns, m.skipped_ticks, m.rhs_evaluations_max, m.lateness_p50_ns,
+      m.lateness_p99_ns, m.lateness_max_ns, m.compute_p50_ns, m.compute_p99_ns, m.compute_max_ns,
+      m.command_writer, m.command_counter, m.request_writer, m.request_counter,
+      m.refused_not_finite, m.refused_epoch, m.refused_expired, m.refused_counter, m.refused_writer,
+      m.malformed, m.foreign, m.other_rig, m.unauthentic, m.kernel_dropped, m.send_failed, m.sent,
+      m.received, m.gaps, m.repeats, m.reordered, m.mac);
+}
+
+inline void fill(sensors_t& m, Distinct& set) {
+  fill(m.header, set);
+  set(m.valid, m.estop, m.gyro_rad_s, m.acceleration_m_s2, m.disc_angle_rad, m.gimbal_angle_rad,
+      m.rotor_speed_rad_s, m.drive_current_a, m.bus_voltage_v, m.load_cell_n, m.mac);
 }
 
 /// A message with distinct fields.
@@ -120,6 +129,8 @@ inline std::vector<std::uint8_t> distinct_payload(Channel channel, std::int32_t 
     case Channel::kIntegratorStatus:
     case Channel::kControllerStatus:
       return payload(distinct<status_t>());
+    case Channel::kSensors:
+      return payload(distinct<sensors_t>());
   }
   return {};
 }
