@@ -22,6 +22,10 @@ void copy(const std::array<double, N>& from, double (&to)[N]) {
 
 void copy(const Eigen::Vector3d& from, double (&to)[3]) { std::copy_n(from.data(), 3, to); }
 
+void copy(const model::Coordinates& from, double (&to)[model::kMaxCoordinates]) {
+  std::copy_n(from.data(), model::kMaxCoordinates, to);
+}
+
 }  // namespace
 
 Integrator::Integrator(const Rig& rig, std::int64_t epoch)
@@ -30,21 +34,65 @@ Integrator::Integrator(const Rig& rig, std::int64_t epoch)
       valid_(valid_groups(machine_)),
       plant_(machine_, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps}),
       gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
+      schedule_(rig, machine_),
+      safe_stop_(rig, machine_),
       epoch_(epoch) {
+  if (rig.sensors) sensing_.emplace(rig, machine_);
+  if (rig.sensors && rig.loop.state == StateSource::kEstimate) estimator_.emplace(rig, machine_);
   plant_.advance(input_);  // SUNDIALS allocates in its first step: now, before time counts
-  plant_.set_state(machine_.state(rig.initial_q, rig.initial_v));
-  truth_ = machine_.truth(plant_.state(), input_);
+  stand(rig.initial_state(machine_));
   gate_.reset(epoch);
+}
+
+/// At tick 0 in this state, at rest for everybody who looks.
+void Integrator::stand(const model::State& state) noexcept {
+  plant_.set_state(state);
+  input_ = {};
+  truth_ = machine_.truth(state, input_);
+  if (sensing_) sensing_->reset();
+  look();
+  if (estimator_) estimator_->reset(machine_.observe(state));
+}
+
+/// What the sensors say at the present tick.
+void Integrator::look() noexcept {
+  if (!sensing_) return;
+  sensing_->measure(tick_, plant_.state(), input_, sensors_);
+  schedule_.corrupt(tick_, sensors_);
+}
+
+/// Rotors alone, in steps as in a tick.
+void Integrator::run_rotors(const model::Input& input, double seconds) noexcept {
+  const double h = rig_.loop.tick_s() / rig_.loop.substeps;
+  model::State state = plant_.state();
+  const auto moved = [&](const model::RotorSpeeds& rate, double dt) {
+    model::State next = plant_.state();
+    for (std::size_t j = 0; j < rate.size(); ++j) {
+      next.rotor_speed[j] = state.rotor_speed[j] + dt * rate[j];
+    }
+    return next;
+  };
+  for (std::int64_t k = std::llround(seconds / h); k > 0; --k) {
+    const model::State middle = moved(machine_.rotor_acceleration(state, input), 0.5 * h);
+    state = moved(machine_.rotor_acceleration(middle, input), h);
+  }
+  plant_.set_state(state);
+}
+
+bool Integrator::hold(double seconds) noexcept {
+  if (mode_ != Mode::kHeld || !rotors_asked_) return false;
+  const model::RotorSpeeds before = plant_.state().rotor_speed;
+  model::Input input;
+  input.rotor_powered.fill(rotors_powered());
+  run_rotors(input, seconds);
+  stand(plant_.state());
+  return plant_.state().rotor_speed != before;
 }
 
 void Integrator::enter(Event event, std::string_view why) noexcept {
   const std::optional<Mode> to = next(mode_, event);
   if (!to) return;
-  if (*to == Mode::kSafeStop) {
-    for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
-      held_speed_[i] = machine_.drive_rate(static_cast<int>(i), plant_.state());
-    }
-  }
+  if (*to == Mode::kSafeStop) safe_stop_.begin(plant_.state());
   waiting_for_controller_ = event == Event::kNoController;
   if (event == Event::kNoController) gate_.release();
   const bool goes_on =
@@ -57,8 +105,12 @@ void Integrator::enter(Event event, std::string_view why) noexcept {
 void Integrator::notice(Event event, std::string_view why) noexcept { enter(event, why); }
 
 bool Integrator::on_command(const command_t& command) noexcept {
-  const bool wanted = mode_ == Mode::kRunning || mode_ == Mode::kPaused;
-  return wanted && gate_.offer(command, tick_);
+  if (mode_ != Mode::kRunning && mode_ != Mode::kPaused) return false;
+  if (command_link_cut()) {
+    if (command.owner_epoch == epoch_ && command.for_tick == tick_) unobeyed_tick_ = tick_;
+    return false;
+  }
+  return gate_.offer(command, tick_);
 }
 
 model::Input Integrator::commanded() noexcept {
@@ -71,32 +123,22 @@ model::Input Integrator::commanded() noexcept {
   return input;
 }
 
-model::Input Integrator::safe_stop() const noexcept {
-  model::Input input;
-  if (rig_.safety.drive == SafeStopDrive::kBrake) {
-    input.mode = model::DriveMode::kBrake;
-    input.drive.fill(rig_.safety.gain);
-  }
-  if (rig_.safety.drive == SafeStopDrive::kHoldSpeed) {
-    for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
-      const double rate = machine_.drive_rate(static_cast<int>(i), plant_.state());
-      input.drive[i] = rig_.safety.gain * (held_speed_[i] - rate);
-    }
-  }
-  return input;
-}
-
 void Integrator::advance() noexcept {
   if (!ticks(mode_)) return;
   if (command_lost()) {
     enter(Event::kCommandLost,
-          "no valid command in time; start the controller, then reset and arm");
+          command_link_cut()
+              ? "no valid command in time: a fault cuts the command link; reset and arm"
+              : "no valid command in time; start the controller, then reset and arm");
   }
-  model::Input input = mode_ == Mode::kRunning ? commanded() : safe_stop();
-  disturbances_.apply(tick_, input);
+  model::Input input = mode_ == Mode::kRunning ? commanded() : safe_stop_.input(plant_.state());
+  input.rotor_powered.fill(rotors_powered());
+  schedule_.apply(tick_, input);
 
   history_[recorded_++ % kHistory] = {tick_, plant_.state(), input};
-  if (!lying_ && !plant_.advance(input)) {
+  if (lying_) {
+    run_rotors(input, rig_.loop.tick_s());
+  } else if (!plant_.advance(input)) {
     enter(Event::kNotFinite,
           "the solver failed or the state is not finite; the log has the last ticks");
     return;
@@ -115,16 +157,42 @@ void Integrator::advance() noexcept {
     plant_.set_state(lying);
     lying_ = true;
   }
+  look();
+  if (estimator_) estimator_->step(sensors_);
   if (steps_left_ > 0 && --steps_left_ == 0) enter(Event::kStepsDone, "the ticks of step are done");
 }
 
 void Integrator::fill(state_t& state) const noexcept {
   state.mode = static_cast<std::int32_t>(mode_);
-  to_wire(machine_.observe(plant_.state()), valid_, state);
-  copy(truth_.drive_torque, state.drive_torque_nm);
+  if (estimator_) {
+    to_wire(estimator_->seen(), estimator_->valid() | state_t::VALID_DRIVES, state);
+    copy(estimated_torque(), state.drive_torque_nm);
+  } else {
+    to_wire(machine_.observe(plant_.state()), valid_, state);
+    copy(truth_.drive_torque, state.drive_torque_nm);
+  }
+}
+
+/// From the motors' currents; where there is none, what was asked for.
+std::array<double, model::kMaxDrives> Integrator::estimated_torque() const noexcept {
+  std::array<double, model::kMaxDrives> torque{};
+  const model::State seen = machine_.recall(estimator_->seen());
+  for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
+    const model::Drive& drive = machine_.drives[i];
+    if (drive.motor && (sensors_.valid & sensors_t::VALID_CURRENTS)) {
+      torque[i] =
+          drive.motor->torque_constant * drive.motor->gear_ratio * sensors_.drive_current_a[i];
+    } else {
+      torque[i] = drive.torque(input_.mode, input_.drive[i],
+                               machine_.drive_rate(static_cast<int>(i), seen));
+    }
+  }
+  return torque;
 }
 
 void Integrator::fill(truth_t& truth) const noexcept {
+  copy(plant_.state().q, truth.q);
+  copy(plant_.state().v, truth.v);
   copy(truth_.contact_lower, truth.contact_lower_n);
   copy(truth_.contact_upper, truth.contact_upper_n);
   copy(truth_.holding_moment, truth.holding_moment_nm);
@@ -133,6 +201,11 @@ void Integrator::fill(truth_t& truth) const noexcept {
   copy(truth_.angular_momentum, truth.angular_momentum_nms);
   copy(input_.force, truth.external_force_n);
   copy(input_.moment, truth.external_moment_nm);
+  copy(input_.ground_acceleration, truth.ground_acceleration_m_s2);
+  truth.yaw_rate_rad_s = input_.yaw_rate;
+  truth.added_mass_kg = 0.0;
+  for (const model::PointMass& added : input_.added) truth.added_mass_kg += added.mass;
+  truth.load_cell_n = truth_.load_cell;
   truth.tilt_margin_rad = rig_.safety.fall_tilt_rad - machine_.tilt(plant_.state());
   truth.gimbal_margin_rad = truth_.gimbal_margin;
   copy(truth_.drive_margin, truth.drive_margin_nm);
@@ -142,6 +215,11 @@ void Integrator::fill(status_t& status) const noexcept {
   status.service = status_t::INTEGRATOR;
   status.mode = static_cast<std::int32_t>(mode_);
   set_text(status.text, "{}", text_view(why_));
+  if (status.text[0] == 0 && mode_ == Mode::kRunning && command_link_cut()) {
+    set_text(status.text, "a fault cuts the command link: commands are not obeyed");
+  }
+  status.disturbances = schedule_.disturbances();
+  status.faults = schedule_.faults();
   status.speed_factor = speed_;
   status.tick_period_ns = rig_.loop.tick_ns();
   status.rhs_evaluations_max = evaluations_max_;

@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "messages/channels.hpp"
-#include "services/integrator/disturbances.hpp"
 #include "services/integrator/plant.hpp"
+#include "services/integrator/safe_stop.hpp"
+#include "services/integrator/schedule.hpp"
+#include "services/integrator/simulated_sensors.hpp"
+#include "services/onboard/estimator.hpp"
 #include "services/runtime/command_gate.hpp"
 #include "services/runtime/mode.hpp"
 #include "services/runtime/rig.hpp"
@@ -76,6 +80,9 @@ class Integrator {
 
   /// Runs one tick if time goes on in this mode.
   void advance() noexcept;
+  /// HELD, after ROTORS: the rotors run for so long [s], and nothing else moves.
+  /// @return whether STATE 0 is another one now
+  bool hold(double seconds) noexcept;
 
   Mode mode() const noexcept { return mode_; }
   /// Why it is in this mode; empty where that needs no word.
@@ -83,12 +90,17 @@ class Integrator {
   std::int64_t tick() const noexcept { return tick_; }
   std::int64_t epoch() const noexcept { return epoch_; }
   double speed() const noexcept { return speed_; }
-  /// The command for the present tick has come (lockstep).
-  bool answered() const noexcept { return gate_.answered(tick_); }
-  /// The next advance() would be a safe stop for want of commands (realtime).
+  /// The command for the present tick has come, be it that a fault has kept it from acting
+  /// (lockstep).
+  bool answered() const noexcept { return gate_.answered(tick_) || unobeyed_tick_ == tick_; }
+  /// The next advance() would be a safe stop for want of commands (realtime, or by a fault).
   bool command_lost() const noexcept {
-    return mode_ == Mode::kRunning && rig_.loop.clock == ClockMode::kRealtime && gate_.lost(tick_);
+    const bool counts = rig_.loop.clock == ClockMode::kRealtime ||
+                        (rig_.loop.clock == ClockMode::kLockstep && command_link_cut());
+    return mode_ == Mode::kRunning && counts && gate_.lost(tick_);
   }
+  /// By a fault.
+  bool command_link_cut() const noexcept { return schedule_.command_lost(tick_); }
   /// Stands still until the controller answers (lockstep).
   bool waiting_for_controller() const noexcept { return waiting_for_controller_; }
   const Plant& plant() const noexcept { return plant_; }
@@ -101,6 +113,8 @@ class Integrator {
   /// Everything but header and mac.
   void fill(state_t& state) const noexcept;
   void fill(truth_t& truth) const noexcept;
+  bool has_sensors() const noexcept { return sensing_.has_value(); }
+  void fill(sensors_t& sensors) const noexcept { sensors = sensors_; }
   /// Only what the integrator knows: service, mode, text, speed, commands and requests.
   void fill(status_t& status) const noexcept;
 
@@ -115,28 +129,44 @@ class Integrator {
  private:
   void enter(Event event, std::string_view why) noexcept;
   bool reset(const request_t& request, std::int64_t fresh_epoch, reply_t& reply) noexcept;
-  bool disturb(const request_t& request, reply_t& reply) noexcept;
+  bool schedule(const request_t& request, reply_t& reply) noexcept;
+  bool set_rotors(const request_t& request, reply_t& reply) noexcept;
+  bool set_speed(const request_t& request, reply_t& reply) noexcept;
+  bool change_mode(const request_t& request, Event event, const Surroundings& surroundings,
+                   reply_t& reply) noexcept;
   bool act(const request_t& request, const Surroundings& surroundings, reply_t& reply) noexcept;
   model::Input commanded() noexcept;
-  model::Input safe_stop() const noexcept;
+  std::array<double, model::kMaxDrives> estimated_torque() const noexcept;
+
+  void stand(const model::State& state) noexcept;
+  void look() noexcept;
+  void run_rotors(const model::Input& input, double seconds) noexcept;
+  bool rotors_powered() const noexcept { return rotors_asked_.value_or(true); }
+  double rotor_share() const noexcept;
+  double rotor_time(bool powered) const noexcept;
 
   const Rig& rig_;
   model::Machine machine_;
   std::int32_t valid_;
   Plant plant_;
   CommandGate gate_;
-  Disturbances disturbances_;
-  model::Input input_;  // of the last tick
-  model::Truth truth_;  // at the present tick, with that input
+  Schedule schedule_;
+  SafeStop safe_stop_;
+  model::Input input_;                         // of the last tick
+  model::Truth truth_;                         // at the present tick, with that input
+  std::optional<SimulatedSensors> sensing_;    // a rig with [sensors]
+  sensors_t sensors_{};                        // at the present tick
+  std::optional<OnboardEstimator> estimator_;  // loop.state = "estimate"
+  std::optional<bool> rotors_asked_;           // by ROTORS in this run: up or down
 
   Mode mode_ = Mode::kHeld;
   std::int64_t epoch_;
   std::int64_t tick_ = 0;
+  std::int64_t unobeyed_tick_ = -1;  // its command came while a fault kept commands from acting
   double speed_ = 1.0;
   std::int64_t steps_left_ = 0;  // of a step request
   bool waiting_for_controller_ = false;
-  bool lying_ = false;                                  // fallen flat: nothing moves any more
-  std::array<double, model::kMaxDrives> held_speed_{};  // of the drives when the safe stop began
+  bool lying_ = false;  // fallen flat: nothing moves any more
   std::int64_t evaluations_max_ = 0;
   Askers askers_;
   std::int64_t request_writer_ = 0, request_counter_ = 0;  // the last one that was applied

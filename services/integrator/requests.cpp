@@ -1,26 +1,18 @@
 // The integrator's answers to operators: refuse with a reason and a fix, or apply and say when.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "services/integrator/integrator.hpp"
+#include "services/integrator/refuse.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
-constexpr double kSlowest = 0.01, kFastest = 100.0;        // speed factor
-constexpr std::int64_t kMostSteps = 1'000'000;             // [tick]
-constexpr double kLongest = 3600.0;                        // disturbance [s]
-constexpr std::int64_t kLastTick = 1'000'000'000'000'000;  // decades, and sums of it fit
-constexpr double kStrongest = 1e9;                         // disturbance [N], [N m]
-
-template <std::size_t N>
-bool all_within(const double (&x)[N], double limit) {
-  return std::all_of(std::begin(x), std::end(x),
-                     [limit](double value) { return std::abs(value) <= limit; });
-}
+constexpr std::int64_t kMostSteps = 1'000'000;  // [tick]
+// Shares of their nominal speed at which rotors count as up, and as down.
+constexpr double kUp = 0.99, kDown = 0.01;
 
 std::optional<Event> event_of(std::int32_t verb) {
   switch (verb) {
@@ -37,13 +29,6 @@ std::optional<Event> event_of(std::int32_t verb) {
     default:
       return std::nullopt;
   }
-}
-
-template <class... Args>
-bool refuse(reply_t& reply, fmt::format_string<Args...> why, Args&&... args) {
-  reply.result = reply_t::REFUSED;
-  set_text(reply.text, why, std::forward<Args>(args)...);
-  return false;
 }
 
 }  // namespace
@@ -78,32 +63,50 @@ void Integrator::on_request(const request_t& request, const Surroundings& surrou
 
 bool Integrator::act(const request_t& request, const Surroundings& surroundings,
                      reply_t& reply) noexcept {
-  if (request.verb == request_t::RESET) return reset(request, surroundings.fresh_epoch, reply);
-  if (request.verb == request_t::DISTURB) return disturb(request, reply);
-  if (request.verb == request_t::CLEAR) {
-    set_text(reply.text, "{} disturbances cleared", disturbances_.count());
-    disturbances_.clear();
-    return true;
+  switch (request.verb) {
+    case request_t::RESET:
+      return reset(request, surroundings.fresh_epoch, reply);
+    case request_t::SPEED:
+      return set_speed(request, reply);
+    case request_t::DISTURB:
+    case request_t::FAULT:
+      return schedule(request, reply);
+    case request_t::CANCEL:
+      return schedule_.cancel(request.id, reply);
+    case request_t::CLEAR:
+      set_text(reply.text, "{} disturbances and {} faults ended", schedule_.disturbances(),
+               schedule_.faults());
+      schedule_.clear();
+      return true;
+    case request_t::ROTORS:
+      return set_rotors(request, reply);
+    default:
+      break;
   }
-  if (request.verb == request_t::SPEED) {
-    if (rig_.loop.clock == ClockMode::kLockstep) {
-      return refuse(reply, "lockstep has no speed: it steps when the controller answers");
-    }
-    if (!(request.speed_factor >= kSlowest && request.speed_factor <= kFastest)) {
-      return refuse(reply, "speed must be {} to {}", kSlowest, kFastest);
-    }
-    speed_ = request.speed_factor;
-    set_text(reply.text, "speed {}", speed_);
-    return true;
-  }
-
   const std::optional<Event> event = event_of(request.verb);
   if (!event) return refuse(reply, "verb {} is not known to this owner", request.verb);
-  const std::optional<Mode> to = next(mode_, *event);
+  return change_mode(request, *event, surroundings, reply);
+}
+
+bool Integrator::set_speed(const request_t& request, reply_t& reply) noexcept {
+  if (rig_.loop.clock == ClockMode::kLockstep) {
+    return refuse(reply, "lockstep has no speed: it steps when the controller answers");
+  }
+  if (!(request.speed_factor >= kSlowestSpeed && request.speed_factor <= kFastestSpeed)) {
+    return refuse(reply, "speed must be {} to {}", kSlowestSpeed, kFastestSpeed);
+  }
+  speed_ = request.speed_factor;
+  set_text(reply.text, "speed {}", speed_);
+  return true;
+}
+
+bool Integrator::change_mode(const request_t& request, Event event,
+                             const Surroundings& surroundings, reply_t& reply) noexcept {
+  const std::optional<Mode> to = next(mode_, event);
   if (!to) {
     return refuse(reply, "not possible in {}; see gyrotwin ctl modes", name_of(mode_));
   }
-  if (*event == Event::kArm) {
+  if (event == Event::kArm) {
     if (surroundings.other_owner_heard) {
       return refuse(reply, "another owner speaks for this rig; stop one of the two");
     }
@@ -112,20 +115,25 @@ bool Integrator::act(const request_t& request, const Surroundings& surroundings,
                     "no controller is heard; start gyrotwin-controller with the same rig file");
     }
   }
-  if (*event == Event::kStep) {
+  if (event == Event::kStep) {
     if (request.step_ticks < 1 || request.step_ticks > kMostSteps) {
       return refuse(reply, "step takes 1 to {} ticks", kMostSteps);
     }
     steps_left_ = request.step_ticks;
   }
-  enter(*event, "");
-  set_text(reply.text, "{}", name_of(mode_));
+  enter(event, "");
+  if (event == Event::kArm && rotor_share() < kUp) {
+    set_text(reply.text, "{}, rotors at {:.0f} % of their nominal speed", name_of(mode_),
+             100.0 * rotor_share());
+  } else {
+    set_text(reply.text, "{}", name_of(mode_));
+  }
   return true;
 }
 
 bool Integrator::reset(const request_t& request, std::int64_t fresh_epoch,
                        reply_t& reply) noexcept {
-  model::State initial = machine_.state(rig_.initial_q, rig_.initial_v);
+  model::State initial = rig_.initial_state(machine_);
   if (request.initial_given != 0) {
     const int n = machine_.coordinates();
     std::copy_n(request.initial_q, n, initial.q.data());
@@ -139,61 +147,85 @@ bool Integrator::reset(const request_t& request, std::int64_t fresh_epoch,
   enter(Event::kReset, "");
   epoch_ = fresh_epoch;
   tick_ = recorded_ = 0;
+  unobeyed_tick_ = -1;
   lying_ = false;
-  disturbances_.clear();
+  rotors_asked_.reset();
+  schedule_.reset();
   gate_.reset(epoch_);
-  input_ = {};
-  plant_.set_state(initial);
-  truth_ = machine_.truth(initial, input_);
+  stand(initial);
   reply.applied_tick = 0;
   set_text(reply.text, "HELD at the {} initial state",
            request.initial_given != 0 ? "requested" : "rig file's");
   return true;
 }
 
-bool Integrator::disturb(const request_t& request, reply_t& reply) noexcept {
+bool Integrator::schedule(const request_t& request, reply_t& reply) noexcept {
   if (mode_ == Mode::kFallen || mode_ == Mode::kFault) {
-    return refuse(reply, "{}: nothing to push; ctl reset first", name_of(mode_));
+    return refuse(reply, "{}: nothing to disturb; ctl reset first", name_of(mode_));
   }
   if (mode_ == Mode::kHeld && request.start_tick <= 0) {
     return refuse(reply, "HELD: the plant is held; ctl arm first, or name a start tick");
   }
-  if (!all_within(request.force_n, kStrongest) || !all_within(request.moment_nm, kStrongest)) {
-    return refuse(reply, "force and moment must be finite and within {} N, N m", kStrongest);
-  }
-  const bool step = request.disturbance == request_t::STEP_LOAD;
-  if (!step && request.disturbance != request_t::IMPULSE) {
-    return refuse(reply, "disturbance {} is not known to this owner", request.disturbance);
-  }
-  const auto longest = static_cast<std::int64_t>(kLongest * 1e9);
-  if (request.duration_ns < (step ? 0 : 1) || request.duration_ns > longest) {
-    return refuse(reply, "duration must be {} to {} s", step ? "0 (until clear)" : "more than 0",
-                  kLongest);
-  }
-  if (request.start_tick > kLastTick) return refuse(reply, "start ticks end at {}", kLastTick);
-  if (request.start_tick != 0 && request.start_tick < tick_) {
-    return refuse(reply, "tick {} is over, it is {} now", request.start_tick, tick_);
-  }
+  return schedule_.add(request, tick_, reply);
+}
 
-  Disturbance disturbance;
-  disturbance.force = Eigen::Map<const Eigen::Vector3d>(request.force_n);
-  disturbance.moment = Eigen::Map<const Eigen::Vector3d>(request.moment_nm);
-  disturbance.begin = std::max(request.start_tick, tick_);
-  const std::int64_t period = rig_.loop.tick_ns();
-  const std::int64_t length =
-      std::max<std::int64_t>(1, (request.duration_ns + period / 2) / period);
-  disturbance.end = request.duration_ns == 0 ? Disturbance::kForever : disturbance.begin + length;
-  if (!disturbances_.add(disturbance)) {
-    return refuse(reply, "{} disturbances are active or scheduled already; clear first",
-                  Disturbances::kCapacity);
+bool Integrator::set_rotors(const request_t& request, reply_t& reply) noexcept {
+  if (!machine_.rotor_drive) {
+    return refuse(reply, "rotors of this rig keep their speed; give its file [rotor_drive]");
   }
-  reply.applied_tick = disturbance.begin;
-  if (disturbance.end == Disturbance::kForever) {
-    set_text(reply.text, "from tick {} until clear", disturbance.begin);
+  if (request.kind != request_t::SPIN_UP && request.kind != request_t::SPIN_DOWN) {
+    return refuse(reply, "kind of ROTORS must be SPIN_UP or SPIN_DOWN");
+  }
+  if (mode_ == Mode::kFault) return refuse(reply, "FAULT: nothing runs; ctl reset first");
+  const bool up = request.kind == request_t::SPIN_UP;
+  rotors_asked_ = up;
+  const std::string_view what = up ? "spin up" : "coast down";
+  const double goal = 100.0 * (up ? kUp : kDown);
+  const double seconds = rotor_time(up);
+  if (seconds == 0.0) {
+    set_text(reply.text, "{}: at {:.0f} % of nominal speed already", what, goal);
+  } else if (std::isfinite(seconds)) {
+    set_text(reply.text, "{}: {:.0f} % of nominal speed in about {:.{}f} s", what, goal, seconds,
+             seconds < 10.0 ? 1 : 0);
   } else {
-    set_text(reply.text, "ticks {} to {}", disturbance.begin, disturbance.end - 1);
+    set_text(reply.text, "{}, but {:.0f} % of nominal speed will not be reached", what, goal);
   }
   return true;
+}
+
+/// Of the slowest rotor, speed over nominal speed; 1 without rotors.
+double Integrator::rotor_share() const noexcept {
+  double share = 1.0;
+  for (int j = 0; j < machine_.rotors; ++j) {
+    share = std::min(share, plant_.state().rotor_speed[j] / machine_.nominal_rotor_speed[j]);
+  }
+  return share;
+}
+
+/// Until the last rotor is up, or down [s]; infinite when one stops short of that.
+double Integrator::rotor_time(bool powered) const noexcept {
+  constexpr int kParts = 200;  // of the way, each at its middle's acceleration
+  const double goal = powered ? kUp : kDown;
+  model::Input input;
+  input.rotor_powered.fill(powered);
+  model::RotorSpeeds step{};
+  model::State state = plant_.state();
+  for (int j = 0; j < machine_.rotors; ++j) {
+    const double way = goal * machine_.nominal_rotor_speed[j] - state.rotor_speed[j];
+    const bool there = powered ? way <= 0.0 : way >= 0.0;
+    step[j] = there ? 0.0 : way / kParts;
+    state.rotor_speed[j] += 0.5 * step[j];
+  }
+  model::RotorSpeeds time{};
+  for (int k = 0; k < kParts; ++k) {
+    const model::RotorSpeeds rate = machine_.rotor_acceleration(state, input);
+    for (int j = 0; j < machine_.rotors; ++j) {
+      if (step[j] == 0.0) continue;
+      time[j] += step[j] * rate[j] > 0.0 ? step[j] / rate[j] : HUGE_VAL;
+      state.rotor_speed[j] += step[j];
+    }
+  }
+  return *std::max_element(time.begin(), time.end());
 }
 
 }  // namespace gyrotwin

@@ -84,7 +84,8 @@ bool IntegratorService::paced() const noexcept {
 /// Machines pause programs, by turns, for longer than a timeout of a few ticks. A simulated plant
 /// can stand still meanwhile: the timeout in ticks stays what it is, and the lost time is counted.
 bool IntegratorService::bridges_pause(std::int64_t now) const noexcept {
-  return integrator_.command_lost() && now - obeyed_at_ < rig_.loop.patience_ns();
+  return integrator_.command_lost() && !integrator_.command_link_cut() &&
+         now - obeyed_at_ < rig_.loop.patience_ns();
 }
 
 /// Where wall time begins to make the ticks, or goes on to, the next one is a period away.
@@ -118,7 +119,7 @@ void IntegratorService::rest(std::int64_t now) noexcept {
     return;
   }
   await_controller(now);
-  if (now - sent_at_ >= kRepeat) send_state(now);
+  if (now - sent_at_ >= kRepeat) repeat_state(now);
   bus_.wait(std::min(sent_at_ + kRepeat - now, kLongestSleep));
 }
 
@@ -155,6 +156,7 @@ void IntegratorService::listen(std::int64_t now) noexcept {
         break;
       case Channel::kReply:
       case Channel::kTruth:
+      case Channel::kSensors:
         break;
     }
   }
@@ -198,6 +200,7 @@ void IntegratorService::on_other_owner(const Reception& reception, std::int64_t 
 void IntegratorService::publish(std::int64_t now) noexcept {
   integrator_.fill(state_);
   integrator_.fill(truth_);
+  integrator_.fill(sensors_);
   stamp_ = {integrator_.epoch(), integrator_.sequence(), integrator_.tick(),
             integrator_.sim_time_ns()};
   asked_at_ = now;
@@ -207,7 +210,17 @@ void IntegratorService::publish(std::int64_t now) noexcept {
 void IntegratorService::send_state(std::int64_t now) noexcept {
   bus_.send(Channel::kState, state_, stamp_);
   bus_.send(Channel::kTruth, truth_, stamp_);
+  if (integrator_.has_sensors()) bus_.send(Channel::kSensors, sensors_, stamp_);
   sent_at_ = now;
+}
+
+/// While time stands still; rotors may run meanwhile.
+void IntegratorService::repeat_state(std::int64_t now) noexcept {
+  if (integrator_.hold(1e-9 * static_cast<double>(kRepeat) * integrator_.speed())) {
+    publish(now);
+  } else {
+    send_state(now);
+  }
 }
 
 /// A new mode or run is said at once.

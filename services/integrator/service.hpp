@@ -37,6 +37,7 @@ class IntegratorService {
 
   void publish(std::int64_t now) noexcept;
   void send_state(std::int64_t now) noexcept;
+  void repeat_state(std::int64_t now) noexcept;
   void follow_pace(std::int64_t now) noexcept;
   void follow_mode(std::int64_t now) noexcept;
   void report(std::int64_t now) noexcept;
@@ -53,7 +54,8 @@ class IntegratorService {
   Identity identity_;
   state_t state_{};  // of the present tick; a repeat is the same message
   truth_t truth_{};
-  Stamp stamp_;                         // of both
+  sensors_t sensors_{};
+  Stamp stamp_;                         // of all three
   std::int64_t asked_at_ = 0;           // wall time when state_ was first sent
   std::int64_t sent_at_ = 0;            // and last sent
   Mode followed_mode_ = Mode::kHeld;    // what publish, pacer and STATUS have followed

@@ -68,6 +68,8 @@ class FakeOwner {
     status_t status{};
     status.service = status_t::INTEGRATOR;
     status.pid = 4711;
+    status.tick_period_ns = kSecond / 1000;
+    status.speed_factor = 1.0;
     bus_.send(Channel::kIntegratorStatus, status, {.epoch = epoch_, .sequence = ++sequence_});
   }
 

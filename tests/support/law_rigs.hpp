@@ -56,6 +56,46 @@ inline Rig precession_lqr(const std::string& set, double tilt_max, double gimbal
   return rig;
 }
 
+/// The rig's machine, driven blindly.
+inline Rig open_loop(Rig rig, Wave wave, double amplitude, double frequency) {
+  rig.controller.law = LawKind::kOpenLoop;
+  rig.controller.wave = wave;
+  rig.controller.amplitude = amplitude;
+  rig.controller.frequency = frequency;
+  return rig;
+}
+
+inline Rig tilt_to_speed() {
+  Rig rig = constant_speed();
+  rig.controller.law = LawKind::kTiltToSpeed;
+  rig.controller.disc_speed = 1.0;
+  rig.controller.tilt_speed_gain = 40.0;
+  rig.controller.rate_speed_gain = 4.0;
+  rig.controller.speed_limit = 20.0;
+  return rig;
+}
+
+inline Rig precession(const std::string& set, double tilt_gain, double gimbal_damping,
+                      double gimbal_gain) {
+  Rig rig;
+  rig.file = "example.toml";
+  rig.machine = gimballed(set);
+  rig.controller.law = LawKind::kPrecession;
+  rig.controller.tilt_gain = tilt_gain;
+  rig.controller.gimbal_damping = gimbal_damping;
+  rig.controller.gimbal_gain = gimbal_gain;
+  return rig;
+}
+
+inline Rig shelf(const std::string& set, double torque, double tilt, double gimbal_damping,
+                 double gimbal_gain) {
+  Rig rig = precession(set, 0.0, gimbal_damping, gimbal_gain);
+  rig.controller.law = LawKind::kShelf;
+  rig.controller.shelf_torque = torque;
+  rig.controller.shelf_tilt = tilt;
+  return rig;
+}
+
 inline Rig brennan() { return precession_lqr("brennan_monorail", 0.03, 0.12, 8000.0); }
 inline Rig double_brennan() { return precession_lqr("double_brennan", 0.03, 0.10, 2.0); }
 inline Rig gyrocar() { return precession_lqr("gyrocar", 0.03, 0.10, 600.0); }

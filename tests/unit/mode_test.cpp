@@ -65,12 +65,18 @@ TEST(Modes, PromisesHoldInRandomScenarios) {
       request_t request{};
       request.step_ticks = pick(4);
       request.speed_factor = 0.5 * pick(4);
-      request.disturbance = pick(4);
+      request.kind = pick(10);
+      request.target = pick(3);
+      request.id = pick(20);
       request.duration_ns = 1'000'000LL * pick(50);
-      request.moment_nm[0] = 60.0 * (pick(3) - 1);
       loop.surroundings.fresh_epoch = epoch + 1;
       loop.surroundings.controller_heard = pick(10) != 0;
-      const std::int32_t verb = pick(11);
+      const std::int32_t verb = pick(request_t::FAULT + 2);
+      if (verb == request_t::DISTURB) {
+        request.kind = request_t::LOAD;
+        request.target = 0;
+        request.moment_nm[0] = 60.0 * (pick(3) - 1);
+      }
       reset = loop.ask(verb, request).result == reply_t::APPLIED && verb == request_t::RESET;
     } else {
       loop.controller_alive = pick(500) == 0 ? !loop.controller_alive : loop.controller_alive;
