@@ -2,15 +2,15 @@
 #pragma once
 
 #include "services/controller/law.hpp"
+#include "services/controller/speed_loop.hpp"
 
 namespace gyrotwin {
 
-/// tau = kp e + z with e = -Om0 - phi' and z' = ki e, |z| at most the integral limit. z is held
-/// where the drive is at its limit and e asks for more.
+/// tau = kp e + z with e = -Om0 - phi' and z' = ki e: see SpeedLoop. On a gyroscope phi is psi, the
+/// turn about the post.
 class ConstantSpeed final : public Law {
  public:
-  /// @pre the rig is an umbrella platform
-  /// @throws Error when a number is missing
+  /// @pre the rig has a disc or a post, and the law's numbers
   explicit ConstantSpeed(const Rig& rig);
 
   int states() const noexcept override { return 1; }
@@ -24,10 +24,8 @@ class ConstantSpeed final : public Law {
     return -disc_speed_ - seen.disc_rate;
   }
 
-  double disc_speed_;      // Om0 [rad/s]
-  double kp_;              // [N m s/rad]
-  double ki_;              // [N m/rad]
-  double integral_limit_;  // [N m]
+  double disc_speed_;  // Om0 [rad/s]
+  SpeedLoop loop_;
 };
 
 }  // namespace gyrotwin

@@ -1,9 +1,10 @@
 #include "services/controller/feedback.hpp"
 
+#include <complex>
 #include <cstdio>
 
 #include "services/controller/riccati.hpp"
-#include "services/controller/settings.hpp"
+#include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 
@@ -19,17 +20,20 @@ double inverse_square(double largest) { return 1.0 / (largest * largest); }
 
 }  // namespace
 
+std::string listed(const Eigen::VectorXcd& poles) {
+  std::string text;
+  for (const std::complex<double>& pole : poles) {
+    if (pole.imag() > 0.0) continue;  // the lower of the pair has said it
+    text += (text.empty() ? "" : ", ") + number("%.4g", pole.real());
+    if (pole.imag() < 0.0) text += "+-" + number("%.4g", -pole.imag()) + "i";
+  }
+  return text + " 1/s";
+}
+
 std::string Feedback::describe() const {
   std::string text = "K = (";
   for (Eigen::Index i = 0; i < K.size(); ++i) text += (i ? ", " : "") + number("%.6g", K[i]);
-  text += "), closed-loop poles ";
-  for (Eigen::Index i = 0; i < poles.size(); ++i) {
-    const double imaginary = poles[i].imag();
-    if (imaginary > 0.0) continue;  // the lower of the pair has said it
-    text += (i ? ", " : "") + number("%.4g", poles[i].real());
-    if (imaginary < 0.0) text += "+-" + number("%.4g", -imaginary) + "i";
-  }
-  return text + " 1/s";
+  return text + "), closed-loop poles " + listed(poles);
 }
 
 Feedback feedback_for(const Rig& rig, const Eigen::MatrixXd& F, const Eigen::VectorXd& B,
@@ -49,9 +53,9 @@ Feedback feedback_for(const Rig& rig, const Eigen::MatrixXd& F, const Eigen::Vec
 
   Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(n, n);
   for (const Weight& w : weights) {
-    Q(w.state, w.state) = inverse_square(required(rig, w.largest, w.key));
+    Q(w.state, w.state) = inverse_square(w.largest.value());
   }
-  const double R = inverse_square(required(rig, controller.torque_max, "torque_max_nm"));
+  const double R = inverse_square(controller.torque_max.value());
   const Regulator regulator = solve_riccati(F, B, Q, R);
   return {regulator.K, regulator.poles};
 }

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "services/runtime/rig.hpp"
@@ -20,17 +19,19 @@ struct Feedback {
   std::string describe() const;
 };
 
+/// Poles as people write them: "-5.4+-6.3i, -1.2 1/s".
+std::string listed(const Eigen::VectorXcd& poles);
+
 /// Bryson's weight: Q(state, state) = 1 / largest^2.
 struct Weight {
   int state;
   std::optional<double> largest;  ///< acceptable deviation, in the state's unit
-  std::string_view key;           ///< its name in [controller]
 };
 
 /// `[controller] gain` when the rig gives it, otherwise the regulator for the weights and
 /// R = 1 / torque_max^2.
-/// @throws Error when the gain has not one number a state, a weight is missing, or no gain
-/// stabilises
+/// @pre without a gain, the weights are there
+/// @throws Error when the gain has not one number a state, or no gain stabilises
 Feedback feedback_for(const Rig& rig, const Eigen::MatrixXd& F, const Eigen::VectorXd& B,
                       const std::vector<Weight>& weights);
 

@@ -5,24 +5,30 @@
 
 #include "services/controller/constant_speed.hpp"
 #include "services/controller/momentum_manager.hpp"
+#include "services/controller/open_loop.hpp"
+#include "services/controller/precession.hpp"
 #include "services/controller/precession_lqr.hpp"
 #include "services/controller/reduced_lqr.hpp"
+#include "services/controller/shelf.hpp"
+#include "services/controller/tilt_to_speed.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/law_keys.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
-void check_fit(const Rig& rig) {
-  const LawKind law = rig.controller.law;
-  if (law == LawKind::kNone) return;
-  const bool umbrella = std::holds_alternative<model::UmbrellaParameters>(rig.machine);
-  if (umbrella == (law != LawKind::kPrecessionLqr)) return;
-  throw Error(rig.file.string() + ": law " + std::string(name_of(law)) + " does not fit " +
-              (umbrella ? "an umbrella platform, which has a disc drive and no gimbal drives; laws "
-                          "that fit: constant_speed, momentum_manager, reduced_lqr, none"
-                        : "a machine with gimbal drives and no disc; laws that fit: "
-                          "precession_lqr, none"));
+/// Whoever reads a rig file is told there; a rig made in a program, here.
+void check(const Rig& rig) {
+  const std::string why_not = misfit(rig);
+  if (!why_not.empty()) throw Error(rig.file.string() + ": " + why_not);
+  std::string keys;
+  for (const MissingNumber& missing : missing_numbers(rig.controller)) {
+    keys += (keys.empty() ? "`controller." : ", `controller.") + std::string(missing.key) + '`';
+  }
+  if (keys.empty()) return;
+  throw Error(rig.file.string() + ": law " + std::string(name_of(rig.controller.law)) + " needs " +
+              keys);
 }
 
 bool finite(const model::Observation& seen) noexcept {
@@ -49,16 +55,24 @@ DriveTorques within_limits(const model::Machine& machine, const model::Observati
 }
 
 std::unique_ptr<Law> make_law(const Rig& rig) {
-  check_fit(rig);
+  check(rig);
   switch (rig.controller.law) {
     case LawKind::kNone:
       return nullptr;
+    case LawKind::kOpenLoop:
+      return std::make_unique<OpenLoop>(rig);
     case LawKind::kConstantSpeed:
       return std::make_unique<ConstantSpeed>(rig);
+    case LawKind::kTiltToSpeed:
+      return std::make_unique<TiltToSpeed>(rig);
     case LawKind::kMomentumManager:
       return std::make_unique<MomentumManager>(rig);
     case LawKind::kReducedLqr:
       return std::make_unique<ReducedLqr>(rig);
+    case LawKind::kPrecession:
+      return std::make_unique<Precession>(rig);
+    case LawKind::kShelf:
+      return std::make_unique<Shelf>(rig);
     case LawKind::kPrecessionLqr:
       return std::make_unique<PrecessionLqr>(rig);
   }

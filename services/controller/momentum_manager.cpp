@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "services/controller/settings.hpp"
-
 namespace gyrotwin {
 
 namespace {
@@ -15,8 +13,8 @@ constexpr double kCorner = 2.0;
 }  // namespace
 
 MomentumManager::MomentumManager(const Rig& rig)
-    : disc_speed_(required(rig, rig.controller.disc_speed, "disc_speed_rad_s")),
-      momentum_rate_(required(rig, rig.controller.momentum_rate, "momentum_rate_per_s")),
+    : disc_speed_(rig.controller.disc_speed.value()),
+      momentum_rate_(rig.controller.momentum_rate.value()),
       elevation_gain_(rig.controller.elevation_gain.value_or(0.0)) {
   const auto& p = std::get<model::UmbrellaParameters>(rig.machine);
   platform_ = model::reduce(p);

@@ -10,8 +10,7 @@ namespace gyrotwin {
 ///   tau = kappa (-C Om0 - p) + fcD tanh(phi'/0.05) + bD phi' + kd (tg - z),  z' = 2 (tg - z).
 class MomentumManager final : public Law {
  public:
-  /// @pre the rig is an umbrella platform
-  /// @throws Error when a number is missing
+  /// @pre the rig is an umbrella platform and has the law's numbers
   explicit MomentumManager(const Rig& rig);
 
   int states() const noexcept override { return 1; }

@@ -6,12 +6,12 @@
 
 namespace gyrotwin {
 
-/// tau = -K (th, th', phi' + Om0) + fcD tanh(phi'/0.05), th = |tilt| >= 0 and th' its rate. The
-/// linear model: A th'' = U th - cs th' + H phi',  C phi'' = tau - H th' - bD phi'.
+/// tau = -K (th, th', phi' + Om0) + fcD tanh(phi'/0.05), th = |tilt| >= 0 and th' its rate: K for
+/// the linear model of Branch.
 class ReducedLqr final : public Law {
  public:
-  /// @pre the rig is an umbrella platform
-  /// @throws Error when a number is missing or no gain stabilises
+  /// @pre the rig is an umbrella platform and has the law's numbers
+  /// @throws Error when the gain has not three numbers, or no gain stabilises
   explicit ReducedLqr(const Rig& rig);
 
   DriveTorques torque(const model::Observation& seen, const LawState& z) const noexcept override;

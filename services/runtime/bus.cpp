@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstring>
 #include <ctime>
-#include <limits>
 
 #include "services/runtime/error.hpp"
 
@@ -14,12 +13,6 @@ namespace gyrotwin {
 namespace {
 
 constexpr int kLongestBurst = 256;
-
-/// a + b, b not negative; a hostile sequence number must not overflow a counter.
-std::int64_t add_saturating(std::int64_t a, std::int64_t b) noexcept {
-  return b > std::numeric_limits<std::int64_t>::max() - a ? std::numeric_limits<std::int64_t>::max()
-                                                          : a + b;
-}
 
 std::int64_t monotonic_ns() noexcept {
   timespec now{};
@@ -38,21 +31,31 @@ std::optional<std::uint32_t> kernel_drops(msghdr& message) noexcept {
   return {};
 }
 
-/// The sockets, once the configuration holds together.
-MulticastSockets open(const BusConfig& config) {
+/// What a bus asks for [bytes, as the kernel counts them: about 1 kB for a STATE, 2.3 kB for a
+/// STATUS]: a daemon that is held up for 50 ms loses nothing.
+constexpr int kReceiveBuffer = 4 << 20;
+
+}  // namespace
+
+MulticastSockets open_sockets(const BusConfig& config, int receive_buffer) {
   if (!config.key && config.ttl != 0) {
     throw Error("network.sign = false with network.ttl = " + std::to_string(config.ttl) +
                 ": unsigned messages must not leave this host; set network.sign = true, or "
                 "network.ttl = 0");
   }
-  return open_multicast(config.group, config.port, config.interface, config.ttl);
+  return open_multicast(config.group, config.port, config.interface, config.ttl, receive_buffer);
 }
 
-}  // namespace
+bool wait_readable(int descriptor, std::int64_t timeout_ns) noexcept {
+  const std::int64_t limit = std::max<std::int64_t>(timeout_ns, 0);
+  const timespec timeout{.tv_sec = limit / 1'000'000'000, .tv_nsec = limit % 1'000'000'000};
+  pollfd ready{.fd = descriptor, .events = POLLIN, .revents = 0};
+  return ppoll(&ready, 1, &timeout, nullptr) == 1;
+}
 
 Bus::Bus(const BusConfig& config)
     : format_(config.prefix, config.rig_id, config.key),
-      sockets_(open(config)),
+      sockets_(open_sockets(config, kReceiveBuffer)),
       rig_id_(config.rig_id),
       source_(config.source) {}
 
@@ -69,12 +72,7 @@ std::optional<Reception> Bus::receive() noexcept {
   return {};
 }
 
-bool Bus::wait(std::int64_t timeout_ns) noexcept {
-  const std::int64_t limit = std::max<std::int64_t>(timeout_ns, 0);
-  const timespec timeout{.tv_sec = limit / 1'000'000'000, .tv_nsec = limit % 1'000'000'000};
-  pollfd ready{.fd = descriptor(), .events = POLLIN, .revents = 0};
-  return ppoll(&ready, 1, &timeout, nullptr) == 1;
-}
+bool Bus::wait(std::int64_t timeout_ns) noexcept { return wait_readable(descriptor(), timeout_ns); }
 
 std::optional<std::span<const std::uint8_t>> Bus::read(sockaddr_in& from) noexcept {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control;
@@ -124,31 +122,30 @@ std::optional<Reception> Bus::judge(std::span<const std::uint8_t> datagram) noex
 
 std::optional<Reception> Bus::put_in_order(const Parsed& parsed) noexcept {
   const auto channel = static_cast<std::size_t>(parsed.channel);
-
-  // The sender's entry moves to the front; a new sender takes that of the one not heard for
-  // longest.
-  Senders& senders = senders_[channel];
-  const auto known = std::ranges::find(senders, parsed.epoch, &Sender::epoch);
-  const bool is_new = known == senders.end();
-  const auto entry = is_new ? senders.end() - 1 : known;
-  std::rotate(senders.begin(), entry, entry + 1);
-  Sender& sender = senders.front();
-  if (is_new) sender = {parsed.epoch, parsed.sequence};
-
-  if (parsed.sequence < sender.newest) {
+  const auto [place, missing] = order_[channel].hear(parsed.epoch, parsed.sequence);
+  if (place == SequenceOrder::Place::kOlder) {
     ++counters_.reordered[channel];
     return {};
   }
-  const bool repeat = !is_new && parsed.sequence == sender.newest;
-  if (repeat) {
-    ++counters_.repeats[channel];
-  } else if (!is_new) {
-    const std::int64_t missing = parsed.sequence - sender.newest - 1;
-    counters_.gaps[channel] = add_saturating(counters_.gaps[channel], missing);
-  }
-  sender.newest = parsed.sequence;
+  const bool repeat = place == SequenceOrder::Place::kRepeat;
+  if (repeat) ++counters_.repeats[channel];
+  counters_.gaps[channel] = add_saturating(counters_.gaps[channel], missing);
   ++counters_.received[channel];
   return Reception{parsed.channel, repeat, parsed.payload};
+}
+
+bool Bus::send_again(std::string_view channel, std::span<const std::uint8_t> payload) noexcept {
+  const std::size_t head = DatagramFormat::begin(outgoing_, channel, packets_++);
+  // sendmsg reads from both and writes to neither.
+  std::array<iovec, 2> parts{
+      {{outgoing_.data(), head}, {const_cast<std::uint8_t*>(payload.data()), payload.size()}}};
+  msghdr message{};
+  message.msg_iov = parts.data();
+  message.msg_iovlen = parts.size();
+  const ssize_t taken = sendmsg(sockets_.sender.get(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+  const bool sent = taken == static_cast<ssize_t>(head + payload.size());
+  if (!sent) ++counters_.send_failed;
+  return sent;
 }
 
 void Bus::stamp_header(header_t& header, const Stamp& stamp) const noexcept {

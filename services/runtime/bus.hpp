@@ -10,11 +10,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "messages/channels.hpp"
 #include "services/runtime/datagram.hpp"
 #include "services/runtime/key.hpp"
 #include "services/runtime/multicast.hpp"
+#include "services/runtime/sequence_order.hpp"
 
 namespace gyrotwin {
 
@@ -40,6 +42,13 @@ struct BusCounters {
   std::int64_t send_failed = 0;     ///< the kernel took no datagram
   std::array<std::int64_t, kChannelSlots> sent{}, received{}, gaps{}, repeats{}, reordered{};
 };
+
+/// The sockets, once the configuration holds together.
+/// @throws Error naming what is missing (interface, permission, buffer) and the fix
+MulticastSockets open_sockets(const BusConfig& config, int receive_buffer);
+
+/// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.
+bool wait_readable(int descriptor, std::int64_t timeout_ns) noexcept;
 
 /// One accepted datagram; its payload is valid until the next receive().
 struct Reception {
@@ -84,6 +93,11 @@ class Bus {
     std::memcpy(message.mac, payload + kWireSize<Message> - kMacSize, kMacSize);
   }
 
+  /// Sends a recorded payload as it is, header and signature untouched. @return whether the kernel
+  /// took it.
+  /// @param channel 1 to 63 characters
+  bool send_again(std::string_view channel, std::span<const std::uint8_t> payload) noexcept;
+
   /// Decodes a reception of the right type; receive() has checked size and fingerprint.
   template <class Message>
   static void decode(const Reception& reception, Message& message) noexcept {
@@ -95,13 +109,6 @@ class Bus {
   int descriptor() const noexcept { return sockets_.receiver.get(); }
 
  private:
-  /// Newest sequence of every sender that one channel has heard, the last heard first.
-  struct Sender {
-    std::int64_t epoch = -1;  // none: epochs are not negative
-    std::int64_t newest = -1;
-  };
-  using Senders = std::array<Sender, 16>;
-
   void stamp_header(header_t& header, const Stamp& stamp) const noexcept;
   std::uint8_t* begin_payload(Channel channel) noexcept;
   void sign_and_send(Channel channel) noexcept;
@@ -124,7 +131,7 @@ class Bus {
   std::array<std::uint8_t, kMaxDatagram + 1> incoming_{};
   int burst_ = 0;                   // datagrams read since the last empty result
   std::uint32_t kernel_drops_ = 0;  // the kernel's own count, which wraps
-  std::array<Senders, kChannels.size()> senders_{};
+  std::array<SequenceOrder, kChannels.size()> order_;
 
   BusCounters counters_;
 };

@@ -1,11 +1,14 @@
 #include "services/runtime/cli.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 #include <utility>
 
 #include "services/runtime/error.hpp"
+#include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {
 
@@ -13,6 +16,32 @@ namespace {
 
 void complain(const CLI::App& app, const std::string& what) {
   std::fprintf(stderr, "%s: error: %s\n", app.get_name().c_str(), what.c_str());
+}
+
+/// Subcommands that may follow what was given, from the innermost outwards, or the options there.
+std::vector<std::string> possible(const CLI::App& app, bool options) {
+  const CLI::App* at = &app;
+  while (!at->get_subcommands().empty()) at = at->get_subcommands().back();
+  std::vector<std::string> names;
+  for (; at != nullptr; at = at->get_parent()) {
+    if (!options) {
+      for (const CLI::App* sub : at->get_subcommands({})) names.push_back(sub->get_name());
+      continue;
+    }
+    for (const CLI::Option* option : at->get_options()) {
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    }
+  }
+  return names;
+}
+
+/// What the first word that found no place was likely meant to be.
+std::string did_you_mean_possible(const CLI::App& app) {
+  const std::vector<std::string> unplaced = app.remaining(true);
+  if (unplaced.empty()) return {};
+  const std::string word = unplaced.front().substr(0, unplaced.front().find('='));
+  const std::vector<std::string> names = possible(app, word.starts_with('-'));
+  return did_you_mean(nearest(word, std::vector<std::string_view>(names.begin(), names.end())));
 }
 
 }  // namespace
@@ -64,6 +93,18 @@ CLI::Validator finite_within(double low, double high) {
       "in " + range);
 }
 
+CLI::Validator one_of(std::vector<std::string> words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return CLI::Validator(
+      [words = std::move(words), list](std::string& text) -> std::string {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return {};
+        const std::vector<std::string_view> names(words.begin(), words.end());
+        return '`' + text + "` is not one of " + list + did_you_mean(nearest(text, names));
+      },
+      '{' + list + '}');
+}
+
 int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>& body) {
   app.set_version_flag("--version", app.get_name() + " " GYROTWIN_VERSION);
   try {
@@ -72,7 +113,7 @@ int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>
   } catch (const CLI::Success& answered) {
     return app.exit(answered);  // prints help or version
   } catch (const CLI::ParseError& error) {
-    complain(app, std::string(error.what()) + "\n`" + app.get_name() +
+    complain(app, error.what() + did_you_mean_possible(app) + "\n`" + app.get_name() +
                       " --help` shows what can be given");
     return kUsage;
   } catch (const Error& error) {

@@ -44,9 +44,13 @@ class RigOptions {
 /// A number within [low, high]; refuses nan and inf, which CLI::Range accepts.
 CLI::Validator finite_within(double low, double high);
 
+/// One of these words; says what else was likely meant.
+CLI::Validator one_of(std::vector<std::string> words);
+
 /// Adds --version, parses the command line and runs `body`, which returns an exit code. A wrong
 /// command line and Error end with kUsage, any other exception with kNotDone, each with one message
-/// `NAME: error: ...` on stderr; NAME is the app's, e.g. gyrotwin-ctl.
+/// `NAME: error: ...` on stderr; NAME is the app's, e.g. gyrotwin-ctl. A misspelt subcommand or
+/// option is told with the one that was likely meant.
 int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>& body);
 
 }  // namespace gyrotwin

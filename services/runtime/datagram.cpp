@@ -53,6 +53,21 @@ void check_prefix(const std::string& prefix) {
 
 }  // namespace
 
+bool signed_with(const Key& key, std::string_view channel,
+                 std::span<const std::uint8_t> payload) noexcept {
+  if (payload.size() < kMacSize) return false;
+  const auto content = payload.first(payload.size() - kMacSize);
+  crypto_generichash_state state;
+  crypto_generichash_init(&state, key.data(), key.size(), kMacSize);
+  crypto_generichash_update(&state, reinterpret_cast<const std::uint8_t*>(channel.data()),
+                            channel.size());
+  crypto_generichash_update(&state, reinterpret_cast<const std::uint8_t*>(""), 1);  // the NUL
+  crypto_generichash_update(&state, content.data(), content.size());
+  std::array<std::uint8_t, kMacSize> expected;
+  crypto_generichash_final(&state, expected.data(), expected.size());
+  return sodium_memcmp(expected.data(), payload.last<kMacSize>().data(), kMacSize) == 0;
+}
+
 DatagramFormat::DatagramFormat(const std::string& prefix, std::int32_t rig_id,
                                const std::optional<Key>& key)
     : rig_id_(rig_id), key_(key) {
@@ -61,9 +76,9 @@ DatagramFormat::DatagramFormat(const std::string& prefix, std::int32_t rig_id,
   for (const ChannelSpec& row : kChannels) {
     names_[static_cast<std::size_t>(row.channel)] = prefix + "/" + std::string(row.suffix);
   }
-  const std::array fingerprints{state_t::getHash(), command_t::getHash(), request_t::getHash(),
-                                reply_t::getHash(), truth_t::getHash(),   status_t::getHash(),
-                                status_t::getHash()};
+  const std::array fingerprints{state_t::getHash(),  command_t::getHash(), request_t::getHash(),
+                                reply_t::getHash(),  truth_t::getHash(),   status_t::getHash(),
+                                status_t::getHash(), sensors_t::getHash()};
   static_assert(fingerprints.size() == kChannels.size());
   std::ranges::copy(fingerprints, fingerprints_.begin());
 }
@@ -84,11 +99,14 @@ Parsed DatagramFormat::parse(std::span<const std::uint8_t> datagram) const noexc
   const auto name = std::ranges::find_if(names_, [&](const std::string& known) {
     return known.size() == name_size && std::memcmp(known.data(), rest.data(), name_size) == 0;
   });
-  if (name == names_.end()) return {Verdict::kForeign};
+  const std::string_view channel(reinterpret_cast<const char*>(rest.data()), name_size);
+  const auto payload = rest.subspan(name_size + 1);
+  if (name == names_.end()) {
+    return {.verdict = Verdict::kForeign, .payload = payload, .name = channel};
+  }
 
   // From here on it claims to be ours: the right type in every byte that says so.
   const auto index = static_cast<std::size_t>(name - names_.begin());
-  const auto payload = rest.subspan(name_size + 1);
   if (payload.size() != kChannels[index].size) return {Verdict::kMalformed};
   if (read_big_endian<std::uint64_t>(payload, 0) != fingerprints_[index]) {
     return {Verdict::kMalformed};
@@ -101,16 +119,21 @@ Parsed DatagramFormat::parse(std::span<const std::uint8_t> datagram) const noexc
       static_cast<std::int64_t>(read_big_endian<std::uint64_t>(payload, kSequenceAt));
   if (epoch < 0 || sequence < 0) return {Verdict::kMalformed};
   if (!authentic(datagram)) return {Verdict::kUnauthentic};
-  return {Verdict::kGood, kChannels[index].channel, epoch, sequence, payload};
+  return {Verdict::kGood, kChannels[index].channel, epoch, sequence, payload, channel};
 }
 
 std::size_t DatagramFormat::begin(Frame& frame, Channel channel,
                                   std::uint32_t packet_number) const noexcept {
-  const std::string& name = names_[static_cast<std::size_t>(channel)];
+  return begin(frame, names_[static_cast<std::size_t>(channel)], packet_number);
+}
+
+std::size_t DatagramFormat::begin(Frame& frame, std::string_view channel,
+                                  std::uint32_t packet_number) noexcept {
   write_big_endian(kShortMagic, frame.data());
   write_big_endian(packet_number, frame.data() + 4);
-  std::memcpy(frame.data() + kPrologue, name.c_str(), name.size() + 1);
-  return kPrologue + name.size() + 1;
+  std::memcpy(frame.data() + kPrologue, channel.data(), channel.size());
+  frame[kPrologue + channel.size()] = 0;
+  return kPrologue + channel.size() + 1;
 }
 
 void DatagramFormat::sign(Frame& frame, std::size_t size) const noexcept {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "messages/channels.hpp"
 #include "services/runtime/key.hpp"
@@ -17,17 +18,24 @@ namespace gyrotwin {
 /// What a datagram turned out to be; all but kGood name the counter it falls into.
 enum class Verdict : std::uint8_t { kGood, kMalformed, kForeign, kOtherRig, kUnauthentic };
 
-/// A datagram taken apart. The rest means something only when the verdict is kGood.
+/// A datagram taken apart. The rest means something only when the verdict is kGood; name and
+/// payload also in a short message on a channel that is not the rig's, which is kForeign.
 struct Parsed {
   Verdict verdict;
   Channel channel{};
   std::int64_t epoch = 0;
   std::int64_t sequence = 0;
   std::span<const std::uint8_t> payload{};  ///< fingerprint first, signature last
+  std::string_view name{};                  ///< of the channel
 };
 
 /// Room for one datagram.
 using Frame = std::array<std::uint8_t, kMaxDatagram>;
+
+/// Whether a payload ends with the signature of this channel and what stands before it. Any
+/// payload.
+bool signed_with(const Key& key, std::string_view channel,
+                 std::span<const std::uint8_t> payload) noexcept;
 
 /// LCM's short message as one rig writes it:
 /// `LC02` | packet number, 32 bits big endian | channel name | NUL | payload.
@@ -41,6 +49,9 @@ class DatagramFormat {
 
   /// Writes all that stands before the payload. @return where the payload begins.
   std::size_t begin(Frame& frame, Channel channel, std::uint32_t packet_number) const noexcept;
+  /// The same for any channel, whose name has at most 63 characters.
+  static std::size_t begin(Frame& frame, std::string_view channel,
+                           std::uint32_t packet_number) noexcept;
 
   /// Writes the signature into the last 32 of `size` bytes: of all from the channel's name on, or
   /// zeros when there is no key.

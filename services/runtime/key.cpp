@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -117,6 +118,22 @@ void create_key(const std::filesystem::path& path) {
     unlink(path.c_str());
     throw Error(path.string() + ": cannot write the key: " + why);
   }
+}
+
+std::string fingerprint(const Key& key) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(digest(key)));
+  std::string text = digits;
+  for (const std::size_t at : {12, 8, 4}) text.insert(at, 1, '-');
+  return text;
+}
+
+std::uint64_t digest(std::span<const std::uint8_t> bytes) noexcept {
+  std::array<std::uint8_t, crypto_generichash_BYTES> hash;
+  crypto_generichash(hash.data(), hash.size(), bytes.data(), bytes.size(), nullptr, 0);
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof value; ++i) value = value << 8 | hash[i];
+  return value;
 }
 
 std::int64_t random_id() noexcept {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace gyrotwin {
@@ -22,6 +24,12 @@ Key load_key(const std::filesystem::path& path);
 /// Draws a new key into a new file of mode 0600; a folder that is missing is made with mode 0700.
 /// @throws Error when the file exists already or cannot be written
 void create_key(const std::filesystem::path& path);
+
+/// 64 bits that tell keys apart and do not lead back to them: "3f2a-91c0-77de-0b15".
+std::string fingerprint(const Key& key);
+
+/// First 64 bits of BLAKE2b-256.
+std::uint64_t digest(std::span<const std::uint8_t> bytes) noexcept;
 
 /// A random non-negative 63-bit number: an epoch, or a writer's identity. One system call.
 std::int64_t random_id() noexcept;

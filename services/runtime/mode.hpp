@@ -12,7 +12,7 @@ namespace gyrotwin {
 
 /// Numbers as on the wire.
 enum class Mode : std::uint8_t {
-  kHeld = status_t::MODE_HELD,           ///< plant held at its initial state, drives off
+  kHeld = status_t::MODE_HELD,           ///< plant held, drives off; rotors run where asked to
   kRunning = status_t::MODE_RUNNING,     ///< physics runs, commands are obeyed
   kPaused = status_t::MODE_PAUSED,       ///< simulation only: time stands still
   kSafeStop = status_t::MODE_SAFE_STOP,  ///< physics runs, drives do what the rig file says
@@ -106,11 +106,15 @@ constexpr std::string_view mode_name(std::int32_t mode) {
 
 /// Name of a request_t verb, as on the command line.
 constexpr std::string_view verb_name(std::int32_t verb) {
-  constexpr std::array<std::string_view, 9> kNames{"arm",   "disarm", "pause",   "resume", "step",
-                                                   "reset", "speed",  "disturb", "clear"};
-  if (verb < request_t::ARM || verb > request_t::CLEAR) return "unknown request";
+  constexpr std::array<std::string_view, 12> kNames{"arm",   "disarm", "pause",  "resume",
+                                                    "step",  "reset",  "speed",  "disturb",
+                                                    "clear", "cancel", "rotors", "fault"};
+  if (verb < request_t::ARM || verb > request_t::FAULT) return "unknown request";
   return kNames[static_cast<std::size_t>(verb - 1)];
 }
+
+/// What SPEED takes, simulated over wall time.
+inline constexpr double kSlowestSpeed = 0.01, kFastestSpeed = 100.0;
 
 /// Whether the plant's time goes on.
 constexpr bool ticks(Mode mode) {

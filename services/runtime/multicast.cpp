@@ -16,10 +16,7 @@
 namespace gyrotwin {
 namespace {
 
-/// What is asked for, and what is enough [bytes, as the kernel counts them: about 1 kB for a STATE,
-/// 2.3 kB for a STATUS]: a daemon that is held up for 50 ms loses nothing.
-constexpr int kReceiveBuffer = 4 << 20;
-constexpr int kSmallestReceiveBuffer = 256 << 10;
+constexpr int kSmallestReceiveBuffer = 256 << 10;  // [bytes, as the kernel counts them]
 
 constexpr int kProofTimeoutMs = 1000;
 
@@ -104,28 +101,30 @@ ip_mreqn find_interface(const std::string& name) {
           .imr_ifindex = static_cast<int>(if_nametoindex(name.c_str()))};
 }
 
-void grow_receive_buffer(const Descriptor& socket) {
-  set_option(socket, SOL_SOCKET, SO_RCVBUF, kReceiveBuffer, "SO_RCVBUF");
+void grow_receive_buffer(const Descriptor& socket, int wanted) {
+  // Only who administers the network goes beyond net.core.rmem_max.
+  if (setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUFFORCE, &wanted, sizeof wanted) != 0) {
+    set_option(socket, SOL_SOCKET, SO_RCVBUF, wanted, "SO_RCVBUF");
+  }
   int granted = 0;
   socklen_t size = sizeof granted;
   getsockopt(socket.get(), SOL_SOCKET, SO_RCVBUF, &granted, &size);
   if (granted < kSmallestReceiveBuffer) {
     throw Error("the kernel grants a receive buffer of " + std::to_string(granted) +
                 " bytes; at least " + std::to_string(kSmallestReceiveBuffer) +
-                " are needed: `sysctl -w net.core.rmem_max=" + std::to_string(kReceiveBuffer) +
-                "`");
+                " are needed: `sysctl -w net.core.rmem_max=" + std::to_string(wanted) + "`");
   }
 }
 
 /// Hears exactly the group, from exactly that interface.
-Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface) {
+Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface, int buffer) {
   Descriptor socket = open_socket();
   // With SO_REUSEPORT instead, neither liblcm nor a second daemon could open the same port.
   set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   // Bound to the group, unicast does not reach it; by default it would hear groups others joined.
   set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL");
   set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL");
-  grow_receive_buffer(socket);
+  grow_receive_buffer(socket, buffer);
 
   const std::string port = std::to_string(ntohs(group.sin_port));
   if (bind(socket.get(), generic(group), sizeof group) != 0) {
@@ -163,7 +162,7 @@ Descriptor open_sender(const ip_mreqn& interface, int ttl) {
 /// no running program hears this.
 void prove(const Descriptor& sender, sockaddr_in group, const ip_mreqn& interface) {
   group.sin_port = 0;
-  const Descriptor receiver = open_receiver(group, interface);
+  const Descriptor receiver = open_receiver(group, interface, kSmallestReceiveBuffer);
   group.sin_port = name_of_socket(receiver).sin_port;
 
   constexpr char probe = 0;
@@ -181,10 +180,10 @@ void prove(const Descriptor& sender, sockaddr_in group, const ip_mreqn& interfac
 }  // namespace
 
 MulticastSockets open_multicast(const std::string& group, int port, const std::string& interface,
-                                int ttl) {
+                                int ttl, int receive_buffer) {
   const sockaddr_in address = group_address(group, port);
   const ip_mreqn device = find_interface(interface);
-  MulticastSockets sockets{.receiver = open_receiver(address, device),
+  MulticastSockets sockets{.receiver = open_receiver(address, device, receive_buffer),
                            .sender = open_sender(device, ttl),
                            .own_address = {}};
   prove(sockets.sender, address, device);

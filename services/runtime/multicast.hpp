@@ -17,8 +17,9 @@ struct MulticastSockets {
 };
 
 /// Opens both, and sends itself one datagram on a port of its own to see that the group works.
+/// @param receive_buffer what is asked for [bytes]; the kernel may grant less
 /// @throws Error naming what is missing, the key of the rig file that asks for it, and the fix
 MulticastSockets open_multicast(const std::string& group, int port, const std::string& interface,
-                                int ttl);
+                                int ttl, int receive_buffer);
 
 }  // namespace gyrotwin

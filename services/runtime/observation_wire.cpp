@@ -20,15 +20,15 @@ void copy(const double (&from)[N], std::array<double, N>& to) {
 }  // namespace
 
 std::int32_t valid_groups(const model::Machine& machine) noexcept {
-  const bool has_disc = machine.layout.disc != model::kFixed;
-  std::int32_t valid = 0;
-  valid |= state_t::VALID_TILT;
-  valid |= has_disc ? state_t::VALID_DISC : 0;
-  valid |= has_disc ? state_t::VALID_DISC_TILT : 0;
-  valid |= state_t::VALID_GIMBALS;
-  valid |= state_t::VALID_ROTORS;
-  valid |= state_t::VALID_DRIVES;
-  return valid;
+  const model::Layout& layout = machine.layout;
+  const auto if_any = [](bool has, std::int32_t group) { return has ? group : 0; };
+  const bool tilts = layout.tilt[0] != model::kFixed || layout.tilt[1] != model::kFixed;
+  return if_any(tilts, state_t::VALID_TILT) |
+         if_any(machine.disc_body != model::kFixed, state_t::VALID_DISC_TILT) |
+         if_any(layout.disc != model::kFixed, state_t::VALID_DISC) |
+         if_any(!layout.gimbals.empty(), state_t::VALID_GIMBALS) |
+         if_any(machine.rotors > 0, state_t::VALID_ROTORS) |
+         if_any(!machine.drives.empty(), state_t::VALID_DRIVES);
 }
 
 void to_wire(const model::Observation& seen, std::int32_t valid, state_t& state) noexcept {

@@ -66,8 +66,26 @@ Loaded load(const std::string& name_or_path, const std::vector<std::string>& ove
 
 }  // namespace
 
+Eigen::Matrix3d Rig::Sensors::imu_axes() const {
+  using Eigen::Vector3d;
+  return (Eigen::AngleAxisd(imu_orientation.x(), Vector3d::UnitX()) *
+          Eigen::AngleAxisd(imu_orientation.y(), Vector3d::UnitY()) *
+          Eigen::AngleAxisd(imu_orientation.z(), Vector3d::UnitZ()))
+      .toRotationMatrix();
+}
+
 model::Machine Rig::build_machine() const {
-  return std::visit([](const auto& parameters) { return model::build(parameters); }, machine);
+  model::Machine built =
+      std::visit([](const auto& parameters) { return model::build(parameters); }, machine);
+  built.rotor_drive = rotor_drive;
+  built.load_cell = load_cell;
+  return built;
+}
+
+model::State Rig::initial_state(const model::Machine& built) const {
+  model::State state = built.state(initial_q, initial_v);
+  for (double& speed : state.rotor_speed) speed *= initial_rotor_share;
+  return state;
 }
 
 Rig load_rig(const std::string& name_or_path, const std::vector<std::string>& overrides) {

@@ -3,25 +3,27 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+
+#include "services/runtime/law_keys.hpp"
+#include "services/runtime/machine_reader.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
-using Names = std::vector<std::string_view>;
-
-enum class MachineKind { kUmbrella, kGimballed };
-
-constexpr std::array<Word<MachineKind>, 2> kMachineWords{
-    {{"umbrella", MachineKind::kUmbrella}, {"gimballed", MachineKind::kGimballed}}};
-
 constexpr std::array<Word<ClockMode>, 3> kClockWords{{{"realtime", ClockMode::kRealtime},
                                                       {"lockstep", ClockMode::kLockstep},
                                                       {"free", ClockMode::kFree}}};
+
+constexpr std::array<Word<StateSource>, 2> kStateWords{
+    {{"truth", StateSource::kTruth}, {"estimate", StateSource::kEstimate}}};
+
+constexpr std::array<Word<Wave>, 2> kWaveWords{{{"sine", Wave::kSine}, {"relay", Wave::kRelay}}};
 
 constexpr std::array<Word<OverrunPolicy>, 2> kOverrunWords{
     {{"skip", OverrunPolicy::kSkip}, {"stop", OverrunPolicy::kStop}}};
@@ -30,19 +32,6 @@ constexpr std::array<Word<SafeStopDrive>, 3> kSafeStopWords{
     {{"zero_torque", SafeStopDrive::kZeroTorque},
      {"brake", SafeStopDrive::kBrake},
      {"hold_speed", SafeStopDrive::kHoldSpeed}}};
-
-constexpr std::array<Word<model::Arrangement>, 3> kArrangementWords{
-    {{"single", model::Arrangement::kSingle},
-     {"pair", model::Arrangement::kPair},
-     {"two_pairs", model::Arrangement::kTwoPairs}}};
-
-constexpr double kSteepest = 1.5;  // [rad], short of a quarter turn
-
-std::string rounded(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
 
 bool made_of(const std::string& text, std::string_view alphabet, std::size_t longest) {
   return !text.empty() && text.size() <= longest &&
@@ -97,6 +86,7 @@ void read_loop(TomlReader& reader, Rig::Loop& loop) {
   table.number("rate_hz", loop.rate_hz, {1, 10000});
   table.integer("substeps", loop.substeps, {1, 1000});
   table.number("step_tolerance_rad", loop.step_tolerance, {0, 1, true});
+  table.word("state", loop.state, kStateWords);
   table.integer("command_delay_ticks", loop.command_delay_ticks, {0, Rig::Loop::kMaxCommandDelay});
   table.word("overrun", loop.overrun, kOverrunWords);
   table.number("patience_s", loop.patience_s, {0, 10});
@@ -115,25 +105,28 @@ void read_safety(TomlReader& reader, Rig::Safety& safety, bool has_disc_drive) {
   }
 }
 
-void read_controller(TomlReader& reader, Rig::Controller& controller) {
+void read_controller(TomlReader& reader, Rig& rig) {
+  Rig::Controller& controller = rig.controller;
   auto table = reader.table("controller", Need::kOptional);
   table.word("law", controller.law, kLawWords);
-  table.number("disc_speed_rad_s", controller.disc_speed, kAnyNumber);
-  table.number("kp_nms_per_rad", controller.kp, kNotNegative);
-  table.number("ki_nm_per_rad", controller.ki, kNotNegative);
-  table.number("integral_limit_nm", controller.integral_limit, kNotNegative);
-  table.number("momentum_rate_per_s", controller.momentum_rate, kPositive);
-  table.number("elevation_gain_nm_per_rad", controller.elevation_gain, kNotNegative);
+  table.word("wave", controller.wave, kWaveWords);
   table.numbers("gain", controller.gain);
-  table.number("tilt_max_rad", controller.tilt_max, kPositive);
-  table.number("speed_max_rad_s", controller.speed_max, kPositive);
-  table.number("gimbal_max_rad", controller.gimbal_max, kPositive);
-  table.number("torque_max_nm", controller.torque_max, kPositive);
+  for (const LawNumber& number : law_numbers()) {
+    table.number(number.key, controller.*number.value, number.range);
+  }
+
+  const std::string why_not = misfit(rig);
+  if (!why_not.empty()) return reader.mistake({"controller.law", "rig.machine"}, why_not);
+  const std::string law(name_of(controller.law));
+  for (const auto& [key, unless_gain] : missing_numbers(controller)) {
+    reader.need("controller." + std::string(key),
+                "law " + law + (unless_gain ? " needs it or `controller.gain`" : " needs it"));
+  }
 }
 
 /// `initial` q or v: one number per coordinate.
 void read_coordinates(TomlReader& reader, TomlReader::Table& table, const char* key,
-                      std::vector<double>& values, const Names& names,
+                      std::vector<double>& values, const CoordinateNames& names,
                       const std::string& decided_by) {
   if (!table.numbers(key, values) || values.size() == names.size()) return;
   std::string list;
@@ -144,155 +137,123 @@ void read_coordinates(TomlReader& reader, TomlReader::Table& table, const char* 
                                          ": (" + list + "), as `" + decided_by + "` says");
 }
 
-void read_structure(TomlReader& reader, model::UmbrellaParameters::Structure& structure) {
-  auto table = reader.table("structure", Need::kRequired);
-  table.number("mass_kg", structure.mass, kPositive);
-  table.number("cm_height_m", structure.cm_height, kAnyNumber);
-  table.number("inertia_x_kgm2", structure.inertia_x, kPositive);
-  table.number("inertia_y_kgm2", structure.inertia_y, kPositive);
-  table.number("inertia_z_kgm2", structure.inertia_z, kNotNegative);
-  table.number("damping_nms_per_rad", structure.damping, kNotNegative);
+/// A table that may be left out whole; there, all its keys are needed. @return null: left out
+std::optional<TomlReader::Table> table_if_there(TomlReader& reader, const char* name, Need need) {
+  const bool there = reader.has_table(name);
+  auto table = reader.table(name, need);
+  return there ? std::optional(table) : std::nullopt;
+}
 
-  const double least = structure.mass * structure.cm_height * structure.cm_height;
-  for (const auto& [key, inertia] : {std::pair{"structure.inertia_x_kgm2", structure.inertia_x},
-                                     std::pair{"structure.inertia_y_kgm2", structure.inertia_y}}) {
-    // A point mass has just the least: leave it its rounding.
-    if (inertia < least * (1.0 - 1e-12)) {
-      reader.mistake({key, "structure.mass_kg", "structure.cm_height_m"},
-                     '`' + std::string(key) + "` is about the ground pivot: expected at least " +
-                         "mass_kg * cm_height_m^2 = " + rounded(least) + ", found " +
-                         rounded(inertia));
-    }
+double nominal_rotor_speed(const Rig& rig) {
+  const auto speed = [](const auto& machine) {
+    if constexpr (requires { machine.gyros; }) return std::abs(machine.gyros.rotor_speed);
+    if constexpr (requires { machine.gyro; }) return std::abs(machine.gyro.rotor_speed);
+  };
+  return std::visit(speed, rig.machine);
+}
+
+void read_rotor_drive(TomlReader& reader, Rig& rig) {
+  auto table = table_if_there(reader, "rotor_drive", Need::kRequired);
+  if (!table) return;
+  model::RotorDrive& drive = rig.rotor_drive.emplace();
+  table->number("power_limit_w", drive.power_limit, kPositive);
+  table->number("torque_limit_nm", drive.torque_limit, kPositive);
+  table->number("time_constant_s", drive.time_constant, kPositive);
+  table->number("viscous_drag_nms_per_rad", drive.viscous_drag, kNotNegative);
+  table->number("coulomb_drag_nm", drive.coulomb_drag, kNotNegative);
+  table->number("start_share", rig.initial_rotor_share, {0, 1});
+
+  const double speed = nominal_rotor_speed(rig);
+  const double drag = drive.viscous_drag * speed + drive.coulomb_drag;
+  const auto check = [&](const char* key, double limit, double least, const char* unit) {
+    if (!(limit < least)) return;  // nor where a number is missing
+    reader.mistake({key}, '`' + std::string(key) + "` must be at least " + rounded(least) + ' ' +
+                              unit + ", what the drag takes at the nominal rotor speed");
+  };
+  check("rotor_drive.torque_limit_nm", drive.torque_limit, drag, "N m");
+  check("rotor_drive.power_limit_w", drive.power_limit, drag * speed, "W");
+}
+
+constexpr double kLargestLean = 0.7;  // [rad]
+
+void read_load_cell(TomlReader& reader, Rig& rig) {
+  auto table = table_if_there(reader, "load_cell", Need::kRequired);
+  if (!table) return;
+  model::LoadCell& cell = rig.load_cell.emplace();
+  double height = 0.0, direction = 0.0, lean = 0.0;
+  table->number("height_m", height, kPositive);
+  table->number("direction_rad", direction, kAnyNumber);
+  table->number("lean_rad", lean, {-kLargestLean, kLargestLean});
+  table->number("stiffness_n_per_m", cell.stiffness, kPositive);
+  table->number("damping_ns_per_m", cell.damping, kNotNegative);
+  cell.point = {0.0, 0.0, height};
+  cell.direction = {std::cos(direction), std::sin(direction), 0.0};
+  cell.rest = height * std::sin(lean);
+}
+
+void read_wind(TomlReader& reader, Rig& rig) {
+  auto table = table_if_there(reader, "wind", Need::kRequired);
+  if (!table) return;
+  Rig::Wind& wind = rig.wind.emplace();
+  table->number("area_m2", wind.area, kPositive);
+  table->number("drag_coefficient", wind.drag_coefficient, kPositive);
+  table->number("pressure_height_m", wind.pressure_height, kAnyNumber);
+}
+
+/// Three numbers, or none at all.
+void read_vector(TomlReader& reader, TomlReader::Table& table, const std::string& table_name,
+                 const char* key, Eigen::Vector3d& value) {
+  std::vector<double> numbers{value.x(), value.y(), value.z()};
+  if (!table.numbers(key, numbers)) return;
+  if (numbers.size() == 3) {
+    value = Eigen::Vector3d::Map(numbers.data());
+    return;
   }
+  const std::string path = table_name + "." + key;
+  reader.mistake({path}, "`" + path + "` has " + std::to_string(numbers.size()) +
+                             " numbers, expected 3: (x, y, z)");
 }
 
-/// What both kinds of machine ask of their gyros.
-template <class Gyros>
-void read_gyro_unit(TomlReader& reader, TomlReader::Table& table, Gyros& gyros) {
-  table.number("mass_kg", gyros.mass, kPositive);
-  table.number("inertia_transverse_kgm2", gyros.inertia_transverse, kPositive);
-  table.number("inertia_axial_kgm2", gyros.inertia_axial, kPositive);
-  table.number("rotor_inertia_kgm2", gyros.rotor_inertia, kPositive);
-  table.number("rotor_speed_rad_s", gyros.rotor_speed, kAnyNumber);
-  table.number("stop_stiffness_nm_per_rad", gyros.stop_stiffness, kPositive);
-  table.number("damping_nms_per_rad", gyros.damping, kNotNegative);
-  if (gyros.rotor_inertia > gyros.inertia_axial) {
-    reader.mistake({"gyros.rotor_inertia_kgm2", "gyros.inertia_axial_kgm2"},
-                   "the flywheel's `gyros.rotor_inertia_kgm2` is part of "
-                   "`gyros.inertia_axial_kgm2` and cannot be larger");
+void read_imperfection(TomlReader::Table& table, const std::string& sensor, const std::string& unit,
+                       Imperfection& imperfection) {
+  const auto read = [&](const char* what, double& value) {
+    table.number((sensor + "_" + what + "_" + unit).c_str(), value, kNotNegative);
+  };
+  read("noise", imperfection.noise);
+  read("bias", imperfection.bias);
+  read("resolution", imperfection.resolution);
+}
+
+void read_sensors(TomlReader& reader, Rig& rig) {
+  auto given = table_if_there(reader, "sensors", Need::kOptional);
+  if (!given) return;
+  TomlReader::Table& table = *given;
+  Rig::Sensors& sensors = rig.sensors.emplace();
+  read_vector(reader, table, "sensors", "imu_position_m", sensors.imu_position);
+  read_vector(reader, table, "sensors", "imu_orientation_rad", sensors.imu_orientation);
+  read_imperfection(table, "gyro", "rad_s", sensors.gyro);
+  read_imperfection(table, "acceleration", "m_s2", sensors.acceleration);
+  read_imperfection(table, "disc", "rad", sensors.disc);
+  read_imperfection(table, "gimbal", "rad", sensors.gimbal);
+  read_imperfection(table, "rotor", "rad_s", sensors.rotor);
+  read_imperfection(table, "current", "a", sensors.current);
+  read_imperfection(table, "voltage", "v", sensors.voltage);
+  read_imperfection(table, "load_cell", "n", sensors.load_cell);
+  table.integer("delay_ticks", sensors.delay_ticks, {0, Rig::Sensors::kMaxDelay});
+  table.integer("seed", sensors.seed, {0, 999'999});
+}
+
+void read_estimator(TomlReader& reader, Rig& rig) {
+  auto estimator = reader.table("estimator", Need::kOptional);
+  estimator.number("tilt_bandwidth_rad_s", rig.estimator.tilt, kPositive);
+  estimator.number("gyro_bias_bandwidth_rad_s", rig.estimator.gyro_bias, kNotNegative);
+  estimator.number("disc_bandwidth_rad_s", rig.estimator.disc, kPositive);
+  estimator.number("gimbal_bandwidth_rad_s", rig.estimator.gimbal, kPositive);
+  if (rig.loop.state == StateSource::kEstimate && !rig.sensors) {
+    reader.mistake({"loop.state"},
+                   "an estimate needs sensors: add a table [sensors], or set "
+                   "`loop.state = \"truth\"`");
   }
-}
-
-void read_gyros(TomlReader& reader, model::UmbrellaParameters::Gyros& gyros) {
-  auto table = reader.table("gyros", Need::kRequired);
-  table.integer("count", gyros.count, {3, model::kMaxGyros});
-  read_gyro_unit(reader, table, gyros);
-  table.number("pivot_radius_m", gyros.pivot_radius, kNotNegative);
-  table.number("pivot_height_m", gyros.pivot_height, kAnyNumber);
-  table.number("axle_length_m", gyros.axle_length, kPositive);
-  table.number("cm_distance_m", gyros.cm_distance, kAnyNumber);
-  table.number("ring_elevation_rad", gyros.ring_elevation, {-kSteepest, kSteepest});
-  table.number("stop_lower_rad", gyros.stop_lower, {-kSteepest, kSteepest});
-  table.number("stop_upper_rad", gyros.stop_upper, {-kSteepest, kSteepest});
-  if (gyros.stop_lower >= gyros.stop_upper) {
-    reader.mistake({"gyros.stop_lower_rad", "gyros.stop_upper_rad"},
-                   "`gyros.stop_lower_rad` must be below `gyros.stop_upper_rad`");
-  }
-}
-
-model::UmbrellaParameters read_umbrella(TomlReader& reader) {
-  model::UmbrellaParameters p{};
-  auto umbrella = reader.table("umbrella", Need::kRequired);
-  umbrella.word("mount", p.mount, kMountWords);
-  umbrella.word("track", p.track, kTrackWords);
-  read_structure(reader, p.structure);
-
-  auto disc = reader.table("disc", Need::kRequired);
-  disc.number("joint_height_m", p.disc.joint_height, kPositive);
-  disc.number("mass_kg", p.disc.mass, kPositive);
-  disc.number("cm_offset_m", p.disc.cm_offset, kAnyNumber);
-  disc.number("inertia_planar_kgm2", p.disc.inertia_planar, kPositive);
-  disc.number("inertia_polar_kgm2", p.disc.inertia_polar, kPositive);
-  disc.number("viscous_friction_nms_per_rad", p.disc.viscous_friction, kNotNegative);
-  disc.number("coulomb_friction_nm", p.disc.coulomb_friction, kNotNegative);
-
-  read_gyros(reader, p.gyros);
-
-  auto contact = reader.table("contact", Need::kRequired);
-  contact.number("stiffness_n_per_m1_5", p.contact.stiffness, kPositive);
-  contact.number("damping_s_per_m", p.contact.damping, kNotNegative);
-  contact.number("rolling_drag", p.contact.rolling_drag, kNotNegative);
-  contact.number("slot_clearance_m", p.contact.slot_clearance, kNotNegative);
-
-  auto bushing = reader.table("bushing", Need::kOptional);
-  bushing.number("stiffness_nm_per_rad", p.bushing.stiffness, kNotNegative);
-  bushing.number("rotating_damping_nms_per_rad", p.bushing.rotating_damping, kNotNegative);
-  bushing.number("standing_damping_nms_per_rad", p.bushing.standing_damping, kNotNegative);
-
-  auto drive = reader.table("drive", Need::kRequired);
-  drive.number("motor_inertia_kgm2", p.drive.motor_inertia, kNotNegative);
-  drive.number("torque_constant_nm_per_a", p.drive.motor.torque_constant, kPositive);
-  drive.number("gear_ratio", p.drive.motor.gear_ratio, kPositive);
-  drive.number("resistance_ohm", p.drive.motor.resistance, kPositive);
-  drive.number("supply_voltage_v", p.drive.motor.supply_voltage, kPositive);
-  drive.number("torque_limit_nm", p.drive.torque_limit, kPositive);
-  return p;
-}
-
-int gyros_of(model::Arrangement arrangement) {
-  switch (arrangement) {
-    case model::Arrangement::kSingle:
-      return 1;
-    case model::Arrangement::kPair:
-      return 2;
-    case model::Arrangement::kTwoPairs:
-      break;
-  }
-  return 4;
-}
-
-model::GimballedParameters read_gimballed(TomlReader& reader) {
-  model::GimballedParameters p{};
-  reader.table("gimballed", Need::kRequired).word("arrangement", p.arrangement, kArrangementWords);
-
-  auto structure = reader.table("structure", Need::kRequired);
-  structure.number("mass_kg", p.structure.mass, kPositive);
-  structure.number("cm_height_m", p.structure.cm_height, kAnyNumber);
-  structure.number("inertia_tilt_kgm2", p.structure.inertia_tilt, kPositive);
-  structure.number("inertia_yaw_ratio", p.structure.inertia_yaw_ratio, kPositive);
-  structure.number("damping_nms_per_rad", p.structure.damping, kNotNegative);
-
-  auto gyros = reader.table("gyros", Need::kRequired);
-  read_gyro_unit(reader, gyros, p.gyros);
-  gyros.number("stop_rad", p.gyros.stop, {0, kSteepest, true});
-
-  reader.table("drive", Need::kRequired).number("torque_limit_nm", p.torque_limit, kPositive);
-
-  const int count = gyros_of(p.arrangement);
-  if (count * p.gyros.mass >= p.structure.mass) {
-    reader.mistake({"structure.mass_kg", "gyros.mass_kg", "gimballed.arrangement"},
-                   "`structure.mass_kg` counts everything and must exceed the " +
-                       std::to_string(count) + " gyro units' " + rounded(count * p.gyros.mass) +
-                       " kg");
-  }
-  const double least = p.structure.mass * p.structure.cm_height * p.structure.cm_height;
-  if (p.structure.inertia_tilt <= least) {
-    reader.mistake({"structure.inertia_tilt_kgm2", "structure.mass_kg", "structure.cm_height_m"},
-                   "`structure.inertia_tilt_kgm2` is about the support: it must exceed mass_kg * "
-                   "cm_height_m^2 = " +
-                       rounded(least) + ", or nothing is left for the chassis without its gyros");
-  }
-  return p;
-}
-
-Names coordinate_names(const model::UmbrellaParameters& p) {
-  if (p.mount == model::Mount::kUniversalJoint) return {"thx", "thy", "bx", "by", "phi", "tg"};
-  return {"thx", "thy", "phi", "tg"};
-}
-
-Names coordinate_names(const model::GimballedParameters& p) {
-  if (p.arrangement == model::Arrangement::kTwoPairs) return {"thx", "thy", "qA", "qB"};
-  return {"th", "q"};
 }
 
 }  // namespace
@@ -303,27 +264,24 @@ Rig read_rig(TomlReader& reader) {
   identity.text("name", rig.name, kName);
   identity.text("summary", rig.summary, kSentence);
   identity.integer("id", rig.id, {1, 255});
-  // Without a sound rig.machine, take the kind that the file has a table for.
-  auto kind = reader.has_table("gimballed") ? MachineKind::kGimballed : MachineKind::kUmbrella;
-  identity.word("machine", kind, kMachineWords);
-  const bool umbrella = kind == MachineKind::kUmbrella;
 
   read_network(reader, rig.network);
   read_loop(reader, rig.loop);
-  read_safety(reader, rig.safety, umbrella);
-  if (umbrella) {
-    rig.machine = read_umbrella(reader);
-  } else {
-    rig.machine = read_gimballed(reader);
+  rig.machine = read_machine(reader, identity);
+  read_safety(reader, rig.safety, std::holds_alternative<model::UmbrellaParameters>(rig.machine));
+  read_controller(reader, rig);
+  read_rotor_drive(reader, rig);
+  if (!std::holds_alternative<model::GyroscopeParameters>(rig.machine)) {
+    read_load_cell(reader, rig);
+    read_wind(reader, rig);
   }
-  read_controller(reader, rig.controller);
+  read_sensors(reader, rig);
+  read_estimator(reader, rig);
 
-  const Names names =
-      std::visit([](const auto& parameters) { return coordinate_names(parameters); }, rig.machine);
-  const char* decided_by = umbrella ? "umbrella.mount" : "gimballed.arrangement";
+  const CoordinateNames names = coordinate_names(rig.machine);
   auto initial = reader.table("initial", Need::kRequired);
-  read_coordinates(reader, initial, "q", rig.initial_q, names, decided_by);
-  read_coordinates(reader, initial, "v", rig.initial_v, names, decided_by);
+  read_coordinates(reader, initial, "q", rig.initial_q, names, machine_key(rig.machine));
+  read_coordinates(reader, initial, "v", rig.initial_v, names, machine_key(rig.machine));
 
   auto disturbance = reader.table("disturbance", Need::kRequired);
   disturbance.number("reference_impulse_nms", rig.reference_impulse_nms, kPositive);
@@ -332,7 +290,9 @@ Rig read_rig(TomlReader& reader) {
 }
 
 std::vector<TomlReader::Key> rig_keys(const std::string& machine) {
-  TomlReader reader("[rig]\nmachine = \"" + machine + "\"\n", "", {});
+  TomlReader reader(
+      "[rig]\nmachine = \"" + machine + "\"\n[rotor_drive]\n[load_cell]\n[wind]\n[sensors]\n", "",
+      {});
   read_rig(reader);  // all the rest is missing, which only finish() would mind
   return reader.keys();
 }

@@ -9,28 +9,23 @@
 
 namespace gyrotwin {
 
-inline constexpr std::array<Word<LawKind>, 5> kLawWords{{
+inline constexpr std::array<Word<LawKind>, 9> kLawWords{{
     {"none", LawKind::kNone},
+    {"open_loop", LawKind::kOpenLoop},
     {"constant_speed", LawKind::kConstantSpeed},
+    {"tilt_to_speed", LawKind::kTiltToSpeed},
     {"momentum_manager", LawKind::kMomentumManager},
     {"reduced_lqr", LawKind::kReducedLqr},
+    {"precession", LawKind::kPrecession},
+    {"shelf", LawKind::kShelf},
     {"precession_lqr", LawKind::kPrecessionLqr},
 }};
-
-inline constexpr std::array<Word<model::Mount>, 3> kMountWords{
-    {{"level", model::Mount::kLevel},
-     {"universal_joint", model::Mount::kUniversalJoint},
-     {"rigid", model::Mount::kRigid}}};
-
-inline constexpr std::array<Word<model::TrackKind>, 3> kTrackWords{
-    {{"none", model::TrackKind::kNone},
-     {"lower", model::TrackKind::kLower},
-     {"slot", model::TrackKind::kSlot}}};
 
 /// Reads every key of a rig and notes what does not go together; reader.finish() then tells.
 Rig read_rig(TomlReader& reader);
 
-/// The keys of a rig with this `rig.machine`; what optional ones are by default is their value.
+/// The keys of a rig with this `rig.machine` and every table that may be left out; what optional
+/// ones are by default is their value.
 std::vector<TomlReader::Key> rig_keys(const std::string& machine);
 
 }  // namespace gyrotwin

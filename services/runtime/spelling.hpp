@@ -8,7 +8,8 @@
 
 namespace gyrotwin {
 
-/// Insertions, deletions and changes of one character that turn `a` into `b`.
+/// Insertions, deletions and changes of one character, and swaps of two neighbours, that turn `a`
+/// into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// Whether so small a distance speaks for a slip: at most half of the longer name.

@@ -84,7 +84,12 @@ void TomlReader::apply(const std::string& override_text) {
            "quote it against the shell");
 }
 
-bool TomlReader::has_table(const std::string& name) const { return document_->file.contains(name); }
+bool TomlReader::has_table(const std::string& name) const {
+  const auto& overrides = document_->overrides;
+  return document_->file.contains(name) ||
+         std::any_of(overrides.begin(), overrides.end(),
+                     [&](const auto& given) { return given.first.starts_with(name + '.'); });
+}
 
 TomlReader::Table TomlReader::table(std::string name, Need need) {
   tables_.push_back(name);
@@ -112,6 +117,12 @@ void TomlReader::mistake(std::initializer_list<std::string> paths, const std::st
   const toml::node* node = document_->find(path);
   if (!node) node = document_->file.get(path.substr(0, path.find('.')));
   note(path, node ? place_of(*node) : Place{}, text);
+}
+
+void TomlReader::need(const std::string& path, std::string why) {
+  // An override without a sound value has been told.
+  if (document_->find(path) || document_->overrides.contains(path)) return;
+  missing_[path] = std::move(why);
 }
 
 void TomlReader::finish() {
@@ -175,7 +186,7 @@ void TomlReader::report_unknown_table(const std::string& name, Place place) {
            (meant.empty() ? "; the tables of this rig are" + all : did_you_mean(meant)));
   // One slip, one message: the table is not missing, it is misspelt.
   if (!document_->file.contains(meant)) {
-    std::erase_if(missing_, [&](auto& path) { return path.starts_with(meant + '.'); });
+    std::erase_if(missing_, [&](auto& key) { return key.first.starts_with(meant + '.'); });
   }
 }
 
@@ -185,11 +196,12 @@ void TomlReader::report_missing() {
     if (table && !table->is_table()) continue;  // table() has told
     std::string all;
     for (const Key& key : keys_) {
-      if (key.table != name || !missing_.contains(key.path())) continue;
+      const auto missing = missing_.find(key.path());
+      if (key.table != name || missing == missing_.end()) continue;
       all += ' ' + key.name;
-      if (table) {
-        note(name, place_of(*table), "missing key `" + key.path() + "`, " + key.takes);
-      }
+      const std::string why = missing->second.empty() ? "" : ": " + missing->second;
+      if (table)
+        note(name, place_of(*table), "missing key `" + key.path() + "`, " + key.takes + why);
     }
     if (!table && !all.empty()) {
       note(name, {}, "missing table [" + name + "] with the keys" + all);

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -75,7 +75,7 @@ class TomlReader {
              const std::vector<std::string>& overrides);
   ~TomlReader();
 
-  /// Whether the document itself has it.
+  /// Whether the document has it, or an override gives a key of it.
   bool has_table(const std::string& name) const;
   /// A table to read from; it and the keys that are read from it count as known.
   Table table(std::string name, Need need);
@@ -83,6 +83,9 @@ class TomlReader {
   /// Notes that the values of these keys (`table.key`) do not go together; placed at the first that
   /// was overridden, or else at the first.
   void mistake(std::initializer_list<std::string> paths, const std::string& text);
+
+  /// A key that may be left out (`table.key`) is needed after all; missing, it is told with `why`.
+  void need(const std::string& path, std::string why);
 
   /// After everything was read: looks for unknown and missing keys too.
   /// @throws Error with all mistakes, each on a line of its own, if there are any
@@ -112,7 +115,7 @@ class TomlReader {
   std::unique_ptr<Document> document_;
   std::vector<std::string> tables_;
   std::vector<Key> keys_;
-  std::set<std::string> missing_;  // paths of required keys
+  std::map<std::string, std::string> missing_;  // paths of required keys, and why if it is special
   std::vector<Mistake> mistakes_;
 };
 

@@ -72,10 +72,7 @@ bool TomlReader::Table::find(const char* key, std::string takes) {
   reader_.keys_.push_back({name_, key, std::move(takes), need_, {}});
   const std::string path = reader_.keys_.back().path();
   if (reader_.document_->find(path)) return true;
-  // An override without a sound value has been told.
-  if (need_ == Need::kRequired && !reader_.document_->overrides.contains(path)) {
-    reader_.missing_.insert(path);
-  }
+  if (need_ == Need::kRequired) reader_.need(path, {});
   return false;
 }
 

@@ -74,6 +74,7 @@ TEST_P(BusTest, CarriesEveryChannel) {
   auto reply = distinct<reply_t>();
   auto truth = distinct<truth_t>();
   auto status = distinct<status_t>();
+  auto sensors = distinct<sensors_t>();
   mouth.send(Channel::kState, state, {});
   mouth.send(Channel::kCommand, command, {});
   mouth.send(Channel::kRequest, request, {});
@@ -81,6 +82,7 @@ TEST_P(BusTest, CarriesEveryChannel) {
   mouth.send(Channel::kTruth, truth, {});
   mouth.send(Channel::kIntegratorStatus, status, {});
   mouth.send(Channel::kControllerStatus, status, {});
+  mouth.send(Channel::kSensors, sensors, {});
   for (const ChannelSpec& row : kChannels) {
     const auto reception = receive_soon(ears);
     ASSERT_TRUE(reception);

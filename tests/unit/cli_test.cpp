@@ -16,13 +16,19 @@ struct Outcome {
   std::string out, err;
 };
 
-/// Runs a small program with one option, one subcommand and the rig's options.
+/// Runs a small program with options, subcommands and the rig's options.
 Outcome run(std::vector<std::string> arguments, const std::function<int(const Rig&)>& body) {
   CLI::App app("A program to try options with", "gyrotwin-trial");
   const RigOptions rig(app);
   double speed = 1.0;
   app.add_option("--speed", speed, "Speed")->check(finite_within(0.01, 100.0));
+  std::string drive = "torque";
+  app.add_option("--drive", drive, "Kind of drive")->check(one_of({"torque", "voltage"}));
   app.add_subcommand("arm", "A verb");
+  CLI::App* fault = app.add_subcommand("fault", "A verb with verbs of its own");
+  fault->require_subcommand(0, 1);
+  fault->add_subcommand("sensor", "A verb's verb");
+  fault->add_subcommand("drive", "Another")->add_flag("--weak");
   arguments.insert(arguments.begin(), "gyrotwin-trial");
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -71,6 +77,46 @@ TEST(RunProgram, WhatGoesWrongWhileRunningEndsWith1) {
   const Outcome outcome = run({}, [](const Rig&) -> int { throw std::runtime_error("lost it"); });
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "gyrotwin-trial: error: lost it\n");
+}
+
+struct Slip {
+  std::vector<std::string> arguments;
+  std::string meant;  // empty: nothing is near
+};
+
+TEST(RunProgram, SaysWhatAMisspeltWordWasLikelyMeantToBe) {
+  const Slip slips[]{{{"amr"}, "arm"},
+                     {{"fualt"}, "fault"},
+                     {{"fault", "senser"}, "sensor"},
+                     {{"fault", "driv"}, "drive"},
+                     {{"fault", "amr"}, "arm"},  // a verb of the program, given too late
+                     {{"disarmament"}, ""},
+                     {{"--sped", "3"}, "--speed"},
+                     {{"--sped=3"}, "--speed"},
+                     {{"arm", "--rog", "gooch"}, "--rig"},
+                     {{"fault", "drive", "--week"}, "--weak"},
+                     {{"fault", "drive", "--chek-config"}, "--check-config"},
+                     {{"--colour"}, ""}};
+  for (const auto& [arguments, meant] : slips) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments.back();
+    const std::string tail = outcome.err.substr(0, outcome.err.find('\n'));
+    if (meant.empty()) {
+      EXPECT_EQ(tail.find("did you mean"), std::string::npos) << outcome.err;
+    } else {
+      EXPECT_TRUE(tail.ends_with("; did you mean `" + meant + "`?")) << outcome.err;
+    }
+  }
+}
+
+TEST(OneOf, RefusesOtherWordsAndSaysWhichWasMeant) {
+  EXPECT_EQ(run({"--drive", "voltage"}).code, 0);
+  const Outcome outcome = run({"--drive", "voltaje"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err.substr(0, outcome.err.find('\n')),
+            "gyrotwin-trial: error: --drive: `voltaje` is not one of torque, voltage; did you mean "
+            "`voltage`?");
+  EXPECT_NE(run({"--help"}).out.find("--drive TEXT:{torque, voltage}"), std::string::npos);
 }
 
 TEST(FiniteWithin, RefusesWhatIsNoNumberInTheRange) {

@@ -66,6 +66,11 @@ TEST(Controller, SaysNothingWhileNothingIsToBeCommanded) {
   state_t blind = desk.state(1);
   blind.valid &= ~state_t::VALID_GIMBALS;
   EXPECT_FALSE(desk.controller.answer(blind, command));
+  // An estimate may lack what no law looks at.
+  state_t estimate = desk.state(1);
+  estimate.valid &= ~state_t::VALID_DISC_TILT;
+  estimate.valid &= ~state_t::VALID_ROTORS;
+  EXPECT_TRUE(desk.controller.answer(estimate, command));
 }
 
 TEST(Controller, RepeatsItsAnswerToARepeatedState) {

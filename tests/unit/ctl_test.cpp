@@ -61,6 +61,8 @@ TEST(Verbs, AnAppliedRequestIsOneLine) {
             "reset: HELD at the rig file's initial state");
   set_text(reply.text, "speed 0.5");
   EXPECT_EQ(applied_line(verb_named("speed"), reply), "speed 0.5 from tick 512");
+  set_text(reply.text, "rotors spin up");
+  EXPECT_EQ(applied_line(verb_named("rotors"), reply), "rotors spin up from tick 512");
 }
 
 class BalanceTest : public ::testing::Test {

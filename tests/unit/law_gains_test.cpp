@@ -6,9 +6,11 @@
 #include <complex>
 
 #include "services/controller/law.hpp"
+#include "services/controller/precession.hpp"
 #include "services/controller/precession_lqr.hpp"
 #include "services/controller/reduced_lqr.hpp"
 #include "services/controller/riccati.hpp"
+#include "services/controller/shelf.hpp"
 #include "tests/support/law_rigs.hpp"
 
 namespace gyrotwin {
@@ -32,8 +34,10 @@ struct Known {
 class Gains : public testing::TestWithParam<Known> {};
 
 const Feedback& feedback_of(const Law& law) {
-  const auto* reduced = dynamic_cast<const ReducedLqr*>(&law);
-  return reduced ? reduced->feedback() : dynamic_cast<const PrecessionLqr&>(law).feedback();
+  if (const auto* reduced = dynamic_cast<const ReducedLqr*>(&law)) return reduced->feedback();
+  if (const auto* classical = dynamic_cast<const Precession*>(&law)) return classical->feedback();
+  if (const auto* shelf = dynamic_cast<const Shelf*>(&law)) return shelf->feedback();
+  return dynamic_cast<const PrecessionLqr&>(law).feedback();
 }
 
 TEST_P(Gains, AreThoseOfAnIndependentSolver) {
@@ -104,16 +108,28 @@ Eigen::VectorXcd closed_loop_poles(const Rig& rig) {
   return poles(F);
 }
 
+void expect_reduced_poles(const Rig& rig, double tolerance) {
+  const auto law = make_law(rig);
+  SCOPED_TRACE(law->describe());
+  const Eigen::VectorXcd& reduced = feedback_of(*law).poles;
+  const Eigen::VectorXcd whole = closed_loop_poles(rig);
+  EXPECT_LT(whole.real().maxCoeff(), 0.0);
+  for (const std::complex<double>& pole : whole) {  // of two pairs: each pole twice
+    EXPECT_LT((reduced.array() - pole).abs().minCoeff(), tolerance * std::abs(pole));
+  }
+}
+
 TEST(Signs, ClosedLoopOfTheWholeMachineHasTheReducedModelsPoles) {
-  for (const Rig& rig : {brennan(), gyrocar(), double_brennan()}) {
-    const auto law = make_law(rig);
-    const Eigen::VectorXcd& reduced = dynamic_cast<const PrecessionLqr&>(*law).feedback().poles;
-    const Eigen::VectorXcd whole = closed_loop_poles(rig);
-    EXPECT_LT(whole.real().maxCoeff(), 0.0);
-    for (const std::complex<double>& pole : whole) {  // of two pairs: each pole twice
-      EXPECT_LT((reduced.array() - pole).abs().minCoeff(),
-                1e-9 * std::abs(pole));  // measured 3.4e-11
-    }
+  for (const Rig& rig : {brennan(), gyrocar(), double_brennan(),
+                         reference::precession("brennan_monorail", 2e5, 1500.0, 8e3),
+                         reference::precession("gyrocar", 2e4, 500.0, 6e3),
+                         reference::precession("double_brennan", 60.0, 1.0, 20.0)}) {
+    expect_reduced_poles(rig, 1e-9);  // measured 3.4e-11
+  }
+  for (const Rig& rig : {reference::shelf("brennan_monorail", 6000.0, 0.03, 1500.0, 8e3),
+                         reference::shelf("gyrocar", 600.0, 0.03, 500.0, 6e3),
+                         reference::shelf("double_brennan", 1.8, 0.03, 1.0, 20.0)}) {
+    expect_reduced_poles(rig, 1e-7);  // measured 8.3e-8: tanh over the step of the differences
   }
 }
 

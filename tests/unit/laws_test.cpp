@@ -17,6 +17,7 @@ using reference::brennan;
 using reference::constant_speed;
 using reference::momentum_manager;
 using reference::reduced_lqr;
+using reference::tilt_to_speed;
 
 Observation spinning(double disc_rate) {
   Observation seen;
@@ -170,37 +171,81 @@ TEST(PrecessionLqr, DescribesAGivenGainWithItsPoles) {
 TEST(MakeLaw, RefusesALawThatDoesNotFitAndNamesThoseThatDo) {
   Rig rig = brennan();
   rig.controller.law = LawKind::kMomentumManager;
-  EXPECT_NE(refusal(rig).find("law momentum_manager does not fit"), std::string::npos);
-  EXPECT_NE(refusal(rig).find("precession_lqr"), std::string::npos);
+  EXPECT_EQ(refusal(rig),
+            "example.toml: law momentum_manager does not fit a machine with driven gimbals; laws "
+            "that fit: none, open_loop, precession, shelf, precession_lqr");
   rig = constant_speed();
-  rig.controller.law = LawKind::kPrecessionLqr;
-  EXPECT_NE(refusal(rig).find("constant_speed, momentum_manager, reduced_lqr"), std::string::npos);
+  for (const LawKind law : {LawKind::kPrecessionLqr, LawKind::kPrecession, LawKind::kShelf}) {
+    rig.controller.law = law;
+    EXPECT_EQ(refusal(rig), "example.toml: law " + std::string(name_of(law)) +
+                                " does not fit an umbrella platform; laws that fit: none, "
+                                "open_loop, constant_speed, tilt_to_speed, momentum_manager, "
+                                "reduced_lqr");
+  }
+  rig.machine = model::GyroscopeParameters{};
+  EXPECT_EQ(refusal(rig),
+            "example.toml: law shelf does not fit a gyroscope on a post; laws that fit: none, "
+            "open_loop, constant_speed");
 }
 
+/// The law without one of its numbers.
+struct Without {
+  Rig rig;
+  std::optional<double> Rig::Controller::*number;
+  std::string key;
+};
+
 TEST(MakeLaw, NamesTheMissingNumber) {
-  const auto without = [](Rig rig, std::optional<double> Rig::Controller::*number) {
-    (rig.controller.*number).reset();
-    return refusal(rig);
-  };
   using C = Rig::Controller;
-  const auto lqr = reduced_lqr("prototype_b", 2.0, 0.02, 5.0);
-  const std::vector<std::array<std::string, 2>> cases{
-      {without(constant_speed(), &C::disc_speed), "disc_speed_rad_s"},
-      {without(constant_speed(), &C::kp), "kp_nms_per_rad"},
-      {without(constant_speed(), &C::ki), "ki_nm_per_rad"},
-      {without(constant_speed(), &C::integral_limit), "integral_limit_nm"},
-      {without(momentum_manager(), &C::disc_speed), "disc_speed_rad_s"},
-      {without(momentum_manager(), &C::momentum_rate), "momentum_rate_per_s"},
-      {without(lqr, &C::disc_speed), "disc_speed_rad_s"},
-      {without(lqr, &C::tilt_max), "tilt_max_rad"},
-      {without(lqr, &C::speed_max), "speed_max_rad_s"},
-      {without(lqr, &C::torque_max), "torque_max_nm"},
-      {without(brennan(), &C::tilt_max), "tilt_max_rad"},
-      {without(brennan(), &C::gimbal_max), "gimbal_max_rad"},
-      {without(brennan(), &C::torque_max), "torque_max_nm"}};
-  for (const auto& [text, key] : cases) {
-    EXPECT_NE(text.find("`[controller] " + key + "`"), std::string::npos) << key << ": " << text;
+  const Rig lqr = reduced_lqr("prototype_b", 2.0, 0.02, 5.0);
+  const Rig wave = reference::open_loop(constant_speed(), Wave::kSine, 1.0, 1.0);
+  const Rig precession = reference::precession("brennan_monorail", 2e5, 1500.0, 8e3);
+  const Rig shelf = reference::shelf("brennan_monorail", 6000.0, 0.03, 1500.0, 8e3);
+  const Without cases[]{{constant_speed(), &C::disc_speed, "disc_speed_rad_s"},
+                        {constant_speed(), &C::kp, "kp_nms_per_rad"},
+                        {constant_speed(), &C::ki, "ki_nm_per_rad"},
+                        {constant_speed(), &C::integral_limit, "integral_limit_nm"},
+                        {tilt_to_speed(), &C::kp, "kp_nms_per_rad"},
+                        {tilt_to_speed(), &C::disc_speed, "disc_speed_rad_s"},
+                        {tilt_to_speed(), &C::tilt_speed_gain, "tilt_speed_gain_per_s"},
+                        {tilt_to_speed(), &C::rate_speed_gain, "rate_speed_gain"},
+                        {tilt_to_speed(), &C::speed_limit, "speed_limit_rad_s"},
+                        {momentum_manager(), &C::disc_speed, "disc_speed_rad_s"},
+                        {momentum_manager(), &C::momentum_rate, "momentum_rate_per_s"},
+                        {lqr, &C::disc_speed, "disc_speed_rad_s"},
+                        {lqr, &C::tilt_max, "tilt_max_rad"},
+                        {lqr, &C::speed_max, "speed_max_rad_s"},
+                        {lqr, &C::torque_max, "torque_max_nm"},
+                        {wave, &C::amplitude, "amplitude_nm"},
+                        {wave, &C::frequency, "frequency_hz"},
+                        {precession, &C::tilt_gain, "tilt_gain_nm_per_rad"},
+                        {precession, &C::gimbal_damping, "gimbal_damping_nms_per_rad"},
+                        {precession, &C::gimbal_gain, "gimbal_gain_nm_per_rad"},
+                        {shelf, &C::shelf_torque, "shelf_torque_nm"},
+                        {shelf, &C::shelf_tilt, "shelf_tilt_rad"},
+                        {shelf, &C::gimbal_damping, "gimbal_damping_nms_per_rad"},
+                        {shelf, &C::gimbal_gain, "gimbal_gain_nm_per_rad"},
+                        {brennan(), &C::tilt_max, "tilt_max_rad"},
+                        {brennan(), &C::gimbal_max, "gimbal_max_rad"},
+                        {brennan(), &C::torque_max, "torque_max_nm"}};
+  for (const Without& without : cases) {
+    Rig rig = without.rig;
+    EXPECT_EQ(refusal(rig), "") << name_of(rig.controller.law);
+    (rig.controller.*without.number).reset();
+    EXPECT_EQ(refusal(rig), "example.toml: law " + std::string(name_of(rig.controller.law)) +
+                                " needs `controller." + without.key + '`');
   }
+}
+
+TEST(MakeLaw, AGainStandsForTheWeights) {
+  Rig rig = brennan();
+  rig.controller.tilt_max.reset();
+  rig.controller.gimbal_max.reset();
+  EXPECT_EQ(refusal(rig),
+            "example.toml: law precession_lqr needs `controller.tilt_max_rad`, "
+            "`controller.gimbal_max_rad`");
+  rig.controller.gain = {1.0, 2.0, 3.0, 4.0};
+  EXPECT_EQ(refusal(rig), "");
 }
 
 TEST(MakeLaw, RefusesAGainOfTheWrongLength) {

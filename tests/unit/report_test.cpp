@@ -23,6 +23,8 @@ status_t owner() {
   set_text(s.text, "no valid command in time");
   s.speed_factor = 0.5;
   s.tick_period_ns = 1'000'000;
+  s.disturbances = 2;
+  s.faults = 1;
   s.overruns = 3;
   s.lateness_p50_ns = 70'000;
   s.lateness_p99_ns = 1'250'000;
@@ -47,11 +49,17 @@ Sighting everything() {
   command_t command{};
   command.writer = 99;
   command.header.epoch = 12;
+  state_t state{};
+  state.valid = +state_t::VALID_TILT | +state_t::VALID_ROTORS;
+  state.tilt_rad[1] = -0.05;
+  state.rotor_speed_rad_s[0] = state.rotor_speed_rad_s[1] = 600.0;
   return {.rig = "prototype_b",
           .reach = "this host only (lo)",
           .owner = owner(),
           .controller = controller(),
-          .command = command};
+          .command = command,
+          .state = state,
+          .nominal_rotor_speed = {800.0, 800.0}};
 }
 
 bool contains(const std::string& text, std::string_view part) {
@@ -63,12 +71,29 @@ TEST(Report, SaysWhatMatters) {
   for (const char* part :
        {"rig prototype_b on this host only (lo)\n",
         "SAFE_STOP at tick 5210, 5.210 s: no valid command in time\n", "4711 on lab\n",
-        "realtime, 1000 Hz, speed 0.5\n", "p50 70 us, p99 1.25 ms, max 2 s\n", "3 ticks too late\n",
-        "held by the controller\n", "7 expired\n", "3 never came, 4 without the right signature\n",
-        "controller  ACTIVE"}) {
+        "realtime, 1000 Hz, speed 0.5\n", "2.86 deg\n", "at 75 % of their speed\n",
+        "2 disturbances, 1 fault act or are to come\n", "p50 70 us, p99 1.25 ms, max 2 s\n",
+        "3 ticks too late\n", "held by the controller\n", "7 expired\n",
+        "3 never came, 4 without the right signature\n", "controller  ACTIVE"}) {
     EXPECT_TRUE(contains(text, part)) << part << "\nis not in\n" << text;
   }
   EXPECT_FALSE(contains(text, "malformed")) << "what did not happen is not listed";
+}
+
+TEST(Report, TellsTheRotorsApart) {
+  Sighting seen = everything();
+  seen.state->rotor_speed_rad_s[1] = 80.0;
+  EXPECT_TRUE(contains(report(seen), "at 75 10 % of their speed\n")) << report(seen);
+  seen.owner->disturbances = seen.owner->faults = 0;
+  EXPECT_TRUE(contains(report(seen), "  events    none\n")) << report(seen);
+}
+
+TEST(Report, SaysWhatStateDoesNotTell) {
+  Sighting seen = everything();
+  seen.state->valid = 0;
+  EXPECT_TRUE(contains(report(seen), "  tilt      not told by STATE\n")) << report(seen);
+  EXPECT_TRUE(contains(report(seen), "  rotors    not told by STATE\n"));
+  EXPECT_TRUE(nlohmann::json::parse(report_json(seen))["tilt_rad"].is_null());
 }
 
 TEST(Report, NamesThePeerThatIsNotHeardAndTheFix) {
@@ -111,11 +136,15 @@ TEST(ReportJson, HasEveryCounterUnderItsName) {
   EXPECT_EQ(o["bus"]["channels"]["LIVE/COMMAND"]["gaps"], 2);
   EXPECT_EQ(o["bus"]["channels"].size(), kChannels.size());
   EXPECT_EQ(json["controller"]["mode"], "ACTIVE");
+  EXPECT_EQ(o["disturbances"], 2);
+  EXPECT_EQ(o["faults"], 1);
+  EXPECT_DOUBLE_EQ(json["tilt_rad"], 0.05);
+  EXPECT_EQ(json["rotor_shares"], (nlohmann::json{0.75, 0.75}));
 }
 
 TEST(ReportJson, WhoIsNotHeardIsNull) {
-  const auto json = nlohmann::json::parse(
-      report_json({.rig = "r", .reach = "", .owner = {}, .controller = {}, .command = {}}));
+  const auto json = nlohmann::json::parse(report_json(
+      {.rig = "r", .reach = "", .owner = {}, .controller = {}, .command = {}, .state = {}}));
   EXPECT_TRUE(json["owner"].is_null());
   EXPECT_TRUE(json["controller"].is_null());
 }

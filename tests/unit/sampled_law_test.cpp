@@ -1,28 +1,28 @@
 // A law once a tick: limits of the drives, memory, no allocation, and the platform that it holds.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "services/controller/law.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/law_rigs.hpp"
+#include "tests/support/sampled_loop.hpp"
 
 namespace gyrotwin {
 namespace {
 
 using model::Observation;
-
-model::Machine machine_of(const Rig& rig) {
-  return std::visit([](const auto& p) { return model::build(p); }, rig.machine);
-}
+using support::kDegree;
+using support::SampledLoop;
 
 std::vector<Rig> one_of_each() {
   return {reference::constant_speed(),
           reference::momentum_manager(),
           reference::reduced_lqr("prototype_b", 2.0, 0.02, 5.0),
+          reference::open_loop(reference::double_brennan(), Wave::kRelay, 1.0, 1.0),
+          reference::tilt_to_speed(),
+          reference::precession("brennan_monorail", 2e5, 1500.0, 8e3),
+          reference::shelf("gyrocar", 600.0, 0.03, 500.0, 6e3),
           reference::brennan(),
           reference::double_brennan(),
           reference::gyrocar()};
@@ -42,7 +42,7 @@ Observation awry() {
 TEST(SampledLaw, GivesNoMoreThanRigAndMotorLineAllow) {
   Rig rig = reference::constant_speed();
   rig.controller.kp = 1e6;
-  const model::Machine machine = machine_of(rig);
+  const model::Machine machine = rig.build_machine();
   SampledLaw law(rig, machine);
   // Kt G (Vb - Kt G w) / Rm = 0.6 (24 + 0.6 * 30) / 0.35 = 72 N m: the rig's limit of 12 N m binds.
   EXPECT_DOUBLE_EQ(law.step({.disc_rate = -30.0})[0], 12.0);
@@ -57,7 +57,7 @@ TEST(SampledLaw, GivesNoMoreThanRigAndMotorLineAllow) {
 TEST(SampledLaw, StepsItsMemoryOnceATickAndForgetsOnReset) {
   Rig rig = reference::constant_speed();
   rig.loop.rate_hz = 500.0;
-  const model::Machine machine = machine_of(rig);
+  const model::Machine machine = rig.build_machine();
   SampledLaw law(rig, machine);
   const Observation seen{.disc_rate = -4.5};
   law.reset(seen);
@@ -72,7 +72,7 @@ TEST(SampledLaw, StepsItsMemoryOnceATickAndForgetsOnReset) {
 // Ten seconds at the drive's limit leave no debt: the integral is where it was.
 TEST(SampledLaw, DoesNotWindUpWhileTheDriveIsAtItsLimit) {
   const Rig rig = reference::constant_speed();
-  const model::Machine machine = machine_of(rig);
+  const model::Machine machine = rig.build_machine();
   SampledLaw law(rig, machine);
   law.reset({});
   for (int i = 0; i < 10000; ++i) ASSERT_EQ(law.step({.disc_rate = 0.0})[0], -12.0);
@@ -82,13 +82,13 @@ TEST(SampledLaw, DoesNotWindUpWhileTheDriveIsAtItsLimit) {
 TEST(SampledLaw, WithoutALawGivesNothing) {
   Rig rig = reference::brennan();
   rig.controller.law = LawKind::kNone;
-  const model::Machine machine = machine_of(rig);
+  const model::Machine machine = rig.build_machine();
   EXPECT_EQ(SampledLaw(rig, machine).step(awry()), DriveTorques{});
 }
 
 TEST(SampledLaw, GivesNothingAndKeepsItsMemoryWhenSomethingSeenIsNotFinite) {
   for (const Rig& rig : one_of_each()) {
-    const model::Machine machine = machine_of(rig);
+    const model::Machine machine = rig.build_machine();
     SampledLaw law(rig, machine), undisturbed(rig, machine);
     law.reset(awry());
     undisturbed.reset(awry());
@@ -126,7 +126,7 @@ TEST(SampledLaw, IsPure) {
 
 TEST(SampledLaw, DoesNotAllocate) {
   for (const Rig& rig : one_of_each()) {
-    const model::Machine machine = machine_of(rig);
+    const model::Machine machine = rig.build_machine();
     SampledLaw law(rig, machine);
     const AllocationCounter allocations;
     law.reset(awry());
@@ -136,8 +136,6 @@ TEST(SampledLaw, DoesNotAllocate) {
 }
 
 // ---- the nonlinear machine, contact and limits included, held by the law at the rig's rate
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Held {
   const char* name;
@@ -149,46 +147,11 @@ struct Held {
 
 class Holds : public testing::TestWithParam<Held> {};
 
-model::State rk4(const model::Machine& machine, const model::State& s, const model::Input& input,
-                 double h) {
-  const auto moved = [&](const model::State& k, double dt) {
-    model::State next = s;
-    next.q += dt * k.q;
-    next.v += dt * k.v;
-    return next;
-  };
-  const auto slope = [&](const model::State& at) {
-    model::State k = at;
-    k.q = at.v;
-    k.v = machine.acceleration(at, input);
-    return k;
-  };
-  const model::State k1 = slope(s), k2 = slope(moved(k1, h / 2)), k3 = slope(moved(k2, h / 2)),
-                     k4 = slope(moved(k3, h));
-  model::State next = s;
-  next.q += h / 6 * (k1.q + 2 * k2.q + 2 * k3.q + k4.q);
-  next.v += h / 6 * (k1.v + 2 * k2.v + 2 * k3.v + k4.v);
-  return next;
-}
-
 TEST_P(Holds, ThePlatform) {
   const Held& held = GetParam();
-  const model::Machine machine = machine_of(held.rig);
-  SampledLaw law(held.rig, machine);
-  model::State state = machine.state(held.q, held.v);
-  law.reset(machine.observe(state));
-  constexpr int kSubsteps = 10;
-  const double tick = held.rig.loop.tick_s();
-  double highest = 0.0;
-  for (int k = 0; k < static_cast<int>(held.duration / tick); ++k) {
-    model::Input input;
-    input.drive = law.step(machine.observe(state));
-    for (int i = 0; i < kSubsteps; ++i) state = rk4(machine, state, input, tick / kSubsteps);
-    ASSERT_TRUE(state.finite());
-    highest = std::max(highest, machine.tilt(state));
-  }
-  EXPECT_LT(highest / kDegree, held.highest);
-  EXPECT_LT(machine.tilt(state) / kDegree, held.last);
+  SampledLoop loop(held.rig, held.q, held.v);
+  EXPECT_LT(loop.run(held.duration), held.highest);
+  EXPECT_LT(loop.tilt_deg(), held.last);
 }
 
 std::vector<Held> machines() {

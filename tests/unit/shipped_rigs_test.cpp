@@ -104,6 +104,13 @@ TEST(ShippedRigs, NumbersAreTheReferences) {
     expect_gimballed(std::get<model::GimballedParameters>(load_rig(name).machine), parameters);
     compared.insert(name);
   }
+  {
+    SCOPED_TRACE("load_cell_rig");  // is prototype_b against a cell
+    expect_umbrella(std::get<model::UmbrellaParameters>(load_rig("load_cell_rig").machine),
+                    reference().at("umbrella_parameters").at("prototype_b"));
+    compared.insert("load_cell_rig");
+  }
+  compared.insert("simple_gyroscope");  // which no reference has
   const std::vector<std::string> shipped = shipped_rigs();
   EXPECT_EQ(compared, std::set<std::string>(shipped.begin(), shipped.end()));
 }
@@ -129,6 +136,7 @@ TEST(ShippedRigs, InitialStateFitsTheMachineThatIsBuilt) {
     const Rig rig = load_rig(name);
     const model::Machine machine = rig.build_machine();
     EXPECT_EQ(rig.initial_q.size(), machine.layout.names.size()) << name;
+    if (std::holds_alternative<model::GyroscopeParameters>(rig.machine)) continue;
     // Small and honest: it stands, but not upright.
     const double tilt = machine.tilt(machine.state(rig.initial_q, rig.initial_v));
     EXPECT_GT(tilt, 0.01) << name;
@@ -143,7 +151,8 @@ TEST(ShippedRigs, ReaderNamesTheCoordinatesOfTheModel) {
       {"umbrella.mount=universal_joint", "prototype_b_sleeping"},
       {"gimballed.arrangement=single", "gyrocar"},
       {"gimballed.arrangement=pair", "gyrocar"},
-      {"gimballed.arrangement=two_pairs", "double_brennan"}};
+      {"gimballed.arrangement=two_pairs", "double_brennan"},
+      {"rig.machine=gyroscope", "simple_gyroscope"}};
   for (const auto& [kind, rig] : kinds) {
     std::string names;
     for (const std::string& name : load_rig(rig, {kind}).build_machine().layout.names) {
@@ -159,7 +168,8 @@ TEST(ShippedRigs, ReaderNamesTheCoordinatesOfTheModel) {
 }
 
 TEST(ShippedRigs, EveryNumberOfTheMachineSaysWhereItComesFrom) {
-  const std::set<std::string> machine{"structure", "disc", "gyros", "contact", "drive"};
+  const std::set<std::string> machine{"structure", "disc",        "gyros",     "contact", "drive",
+                                      "gyroscope", "rotor_drive", "load_cell", "wind"};
   for (const std::string& name : shipped_rigs()) {
     std::ifstream file(rig_folder() / (name + ".toml"));
     std::string table;
@@ -172,6 +182,92 @@ TEST(ShippedRigs, EveryNumberOfTheMachineSaysWhereItComesFrom) {
   }
 }
 
+// T = I omega Omega: what the weight does about the hinge is what the precession turns away.
+TEST(ShippedRigs, SimpleGyroscopePrecessesUnderItsWeight) {
+  const Rig rig = load_rig("simple_gyroscope");
+  const auto& gyro = std::get<model::GyroscopeParameters>(rig.machine).gyro;
+  const double weight = gyro.mass * model::kGravity * gyro.cm_distance;
+  EXPECT_NEAR(gyro.rotor_inertia * gyro.rotor_speed * rig.initial_v[0], weight, 2e-3 * weight);
+  EXPECT_EQ(-rig.controller.disc_speed.value(), rig.initial_v[0]);
+}
+
+TEST(ShippedRigs, HaveTheNumbersOfTheseLaws) {
+  const std::string disc = "constant_speed tilt_to_speed momentum_manager reduced_lqr ";
+  const std::string gimbals = "precession shelf precession_lqr ";
+  const std::map<std::string, std::string> expected{
+      {"prototype_a", "open_loop " + disc},
+      {"prototype_b", "open_loop " + disc},
+      {"prototype_b_sleeping", "constant_speed "},
+      {"gooch", disc},
+      {"townsend", disc},
+      {"brennan_monorail", gimbals},
+      {"double_brennan", gimbals},
+      {"gyrocar", gimbals},
+      {"load_cell_rig", "open_loop constant_speed "},
+      {"simple_gyroscope", "open_loop constant_speed "}};
+  for (const std::string& name : shipped_rigs()) {
+    std::string laws;
+    for (const auto& [word, law] : kLawWords) {
+      if (law == LawKind::kNone) continue;
+      try {
+        EXPECT_EQ(load_rig(name, {"controller.law=" + std::string(word)}).controller.law, law);
+        laws += std::string(word) + ' ';
+      } catch (const Error&) {
+      }
+    }
+    EXPECT_EQ(laws, expected.at(name)) << name;
+  }
+}
+
+/// How long the first rotor takes [s] to this share of its nominal speed, powered or not.
+double rotor_time(const model::Machine& machine, double from, double to, bool powered) {
+  constexpr double kStep = 0.01;  // [s]
+  model::State state = machine.state({}, {});
+  const double nominal = state.rotor_speed[0];
+  state.rotor_speed[0] = from * nominal;
+  model::Input input;
+  input.rotor_powered.fill(powered);
+  double time = 0.0;
+  while ((to - state.rotor_speed[0] / nominal) * (to - from) > 0.0 && time < 1e5) {
+    state.rotor_speed[0] += kStep * machine.rotor_acceleration(state, input)[0];
+    time += kStep;
+  }
+  return time;
+}
+
+TEST(ShippedRigs, RotorsStartAtSpeedAndKeepIt) {
+  for (const std::string& name : shipped_rigs()) {
+    const Rig rig = load_rig(name);
+    ASSERT_TRUE(rig.rotor_drive) << name;
+    const model::Machine machine = rig.build_machine();
+    const model::State state = rig.initial_state(machine);
+    EXPECT_EQ(state.rotor_speed, machine.nominal_rotor_speed) << name;
+    for (const double rate : machine.rotor_acceleration(state, {})) EXPECT_EQ(rate, 0.0) << name;
+  }
+}
+
+TEST(ShippedRigs, RotorsSpinUpAndCoastDownAsTheirFilesSay) {
+  struct Times {
+    double up, down;  // to 99 % of the speed, to 1 % [s]
+  };
+  const std::map<std::string, Times> expected{{"prototype_a", {10.6, 95}},
+                                              {"prototype_b", {25, 260}},
+                                              {"prototype_b_sleeping", {25, 260}},
+                                              {"gooch", {23.7, 265}},
+                                              {"townsend", {135, 490}},
+                                              {"brennan_monorail", {262, 3500}},
+                                              {"double_brennan", {25, 260}},
+                                              {"gyrocar", {180, 1520}},
+                                              {"load_cell_rig", {25, 260}},
+                                              {"simple_gyroscope", {18.0, 320}}};
+  for (const std::string& name : shipped_rigs()) {
+    const model::Machine machine = load_rig(name).build_machine();
+    const auto [up, down] = expected.at(name);
+    EXPECT_NEAR(rotor_time(machine, 0.0, 0.99, true), up, 0.05 * up) << name;
+    EXPECT_NEAR(rotor_time(machine, 1.0, 0.01, false), down, 0.05 * down) << name;
+  }
+}
+
 struct Row {
   std::string takes, fallback;
   bool operator==(const Row&) const = default;
@@ -181,7 +277,7 @@ void PrintTo(const Row& row, std::ostream* out) { *out << row.takes << " | " << 
 
 TEST(Readme, ListsTheKeysThatTheReaderReads) {
   std::map<std::string, Row> read;
-  for (const char* machine : {"umbrella", "gimballed"}) {
+  for (const char* machine : {"umbrella", "gimballed", "gyroscope"}) {
     for (const TomlReader::Key& key : rig_keys(machine)) {
       const std::string fallback = key.need == Need::kRequired ? "required"
                                    : key.value.empty()         ? "unset"

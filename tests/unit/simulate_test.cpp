@@ -65,6 +65,48 @@ TEST_F(Simulate, MountCarriesTheInitialStateOver) {
   EXPECT_EQ(ran.rows, 11);
 }
 
+TEST_F(Simulate, AScenarioGoesInTicksWithOrWithoutALaw) {
+  const Ran ran = run({"--scenario", "lost_link", "--duration", "5"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.said;
+  EXPECT_TRUE(contains(ran.said, "safe stop at 4.009 s: no valid command for 10 ticks"))
+      << ran.said;
+  EXPECT_EQ(ran.rows, 501);
+  EXPECT_EQ(run({"--scenario", "push_and_gust", "--law", "none", "--duration", "0.1"}).exit_code,
+            0);
+}
+
+TEST_F(Simulate, WhatAScenarioAsksForMustBePossible) {
+  const Ran unheard = run({"--scenario", "failing_sensors"});
+  EXPECT_EQ(unheard.exit_code, 2) << unheard.said;
+  EXPECT_TRUE(contains(unheard.said, "failing_sensors.toml:4: the law does not hear the sensors"))
+      << unheard.said;
+  const Ran rail = run({"--rig", "brennan_monorail", "--scenario", "push_and_gust"});
+  EXPECT_EQ(rail.exit_code, 2) << rail.said;
+  EXPECT_TRUE(contains(rail.said, "push_and_gust.toml:15: refused: ")) << rail.said;
+  const Ran continuous = run({"--scenario", "lost_link", "--feedback", "continuous"});
+  EXPECT_EQ(continuous.exit_code, 2) << continuous.said;
+  EXPECT_TRUE(contains(continuous.said, "they need sampled feedback")) << continuous.said;
+}
+
+TEST_F(Simulate, EstimatesHaveColumnsOfTheirOwn) {
+  const Ran ran = run({"--set", "loop.state=estimate", "--extra", "--duration", "0.1"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.said;
+  std::ifstream file(folder_ / "out.csv");
+  std::string header;
+  std::getline(file, header);
+  EXPECT_TRUE(contains(header, ",rotor_0_rad_s,") && contains(header, ",thx_estimate,")) << header;
+  const Ran truth = run({"--extra", "--duration", "0.1"});
+  std::ifstream plain(folder_ / "out.csv");
+  std::getline(plain, header);
+  EXPECT_FALSE(contains(header, "estimate")) << header;
+}
+
+TEST_F(Simulate, AnEstimateMustTellWhatTheControllerNeeds) {
+  const Ran ran = run({"--rig", "prototype_b_sleeping", "--set", "loop.state=estimate"});
+  EXPECT_EQ(ran.exit_code, 2) << ran.said;
+  EXPECT_TRUE(contains(ran.said, "controller needs: disc tilt;")) << ran.said;
+}
+
 TEST_F(Simulate, ASetMountIsReadAsByEveryProgram) {
   const Ran ran = run({"--set", "umbrella.mount=universal_joint", "--duration", "0.1"});
   EXPECT_EQ(ran.exit_code, 2) << ran.said;

@@ -24,10 +24,14 @@ struct Recorded {
 
 class Recorder : public Spectator {
  public:
-  void sample(const Sample& s) override { samples.push_back({s.t, s.state, s.input}); }
+  void sample(const Sample& s) override {
+    samples.push_back({s.t, s.state, s.input});
+    if (s.estimate != nullptr) estimates.push_back(*s.estimate);
+  }
   bool go_on(double t) override { return t < stop_at; }
 
   std::vector<Recorded> samples;
+  std::vector<model::Observation> estimates;
   double stop_at = 1e9;
 };
 
@@ -321,18 +325,18 @@ TEST(Ends, AFallIsNoticedAndGoesOn) {
   std::get<model::UmbrellaParameters>(rig.machine).mount = model::Mount::kRigid;
   const model::Machine machine = rig.build_machine();
   const Result result = run(rig, machine, continuous(machine.state({0.1}, {}), 1.0, 0.001));
-  ASSERT_TRUE(result.outcome.fell_at.has_value());
+  ASSERT_TRUE(result.outcome.verdict.fell_at().has_value());
   EXPECT_EQ(result.outcome.end, End::kDuration);
   EXPECT_NEAR(result.outcome.t, 1.0, 1e-12);
   double before = 0.0, after = 0.0;  // tilt at the samples around
   for (const Recorded& sample : result.samples) {
     const double tilt = machine.tilt(sample.state);
-    if (sample.t <= *result.outcome.fell_at) before = tilt;
-    if (sample.t > *result.outcome.fell_at && after == 0.0) after = tilt;
+    if (sample.t <= *result.outcome.verdict.fell_at()) before = tilt;
+    if (sample.t > *result.outcome.verdict.fell_at() && after == 0.0) after = tilt;
   }
   EXPECT_LE(before, 0.5);
   EXPECT_GE(after, 0.5);
-  EXPECT_GE(result.outcome.largest_tilt, after);
+  EXPECT_GE(result.outcome.verdict.largest_tilt(), after);
 }
 
 TEST(IdealDrives, GiveAnyTorqueAtAnySpeed) {

@@ -1,63 +1,13 @@
-#include "clients/disturb/push.hpp"
+#include "clients/disturb/aftermath.hpp"
 
 #include <gtest/gtest.h>
 
 #include "clients/common/tilt.hpp"
-#include "clients/disturb/aftermath.hpp"
 
 namespace gyrotwin {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
-
-struct Rounded {
-  double asked_s;
-  std::int64_t tick_ns;
-  std::int64_t ticks;
-};
-
-class ImpulseTest : public ::testing::TestWithParam<Rounded> {};
-INSTANTIATE_TEST_SUITE_P(
-    , ImpulseTest,
-    ::testing::Values(Rounded{0.02, kMillisecond, 20}, Rounded{0.0204, kMillisecond, 20},
-                      Rounded{0.0206, kMillisecond, 21}, Rounded{0.0001, kMillisecond, 1},
-                      Rounded{0.02, 3 * kMillisecond, 7}, Rounded{0.001, 1'234'567, 1}));
-
-TEST_P(ImpulseTest, IsExactHoweverTheDurationIsRounded) {
-  const auto [asked_s, tick_ns, ticks] = GetParam();
-  const Push impulse{.moment = {1.7, -0.3, 0.9}, .force = {0.1, 20.0, -3.0}};
-  const request_t request =
-      impulse_request(impulse, {.duration_s = asked_s, .start_tick = 42}, tick_ns);
-  EXPECT_EQ(request.verb, request_t::DISTURB);
-  EXPECT_EQ(request.disturbance, request_t::IMPULSE);
-  EXPECT_EQ(request.start_tick, 42);
-  EXPECT_EQ(request.duration_ns, ticks * tick_ns);
-  const double duration = 1e-9 * static_cast<double>(request.duration_ns);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_DOUBLE_EQ(request.moment_nm[i] * duration, impulse.moment[i]);
-    EXPECT_DOUBLE_EQ(request.force_n[i] * duration, impulse.force[i]);
-  }
-}
-
-TEST(Load, StaysUntilClearUnlessADurationIsGiven) {
-  const Push load{.moment = {0.5, 0.0, 0.0}, .force = {0.0, 2.0, 0.0}};
-  const request_t forever = load_request(load, {}, kMillisecond);
-  EXPECT_EQ(forever.disturbance, request_t::STEP_LOAD);
-  EXPECT_EQ(forever.duration_ns, 0);
-  EXPECT_EQ(forever.moment_nm[0], 0.5);
-  EXPECT_EQ(forever.force_n[1], 2.0);
-  const request_t limited = load_request(load, {.duration_s = 0.0026}, kMillisecond);
-  EXPECT_EQ(limited.duration_ns, 3 * kMillisecond);
-  EXPECT_EQ(limited.moment_nm[0], 0.5);
-}
-
-TEST(PushText, NamesWhatIsThere) {
-  EXPECT_EQ(describe({.moment = {1.0, 0.0, 0.0}}, " s"), "1 N m s about roll");
-  EXPECT_EQ(describe({.moment = {0.0, -0.25, 0.0}, .force = {0.0, 0.0, 3.0}}, ""),
-            "-0.25 N m about pitch and 3 N along z");
-  EXPECT_TRUE(Push{}.nothing());
-  EXPECT_FALSE((Push{.force = {0.0, 0.0, 1e-3}}).nothing());
-}
 
 reply_t pushed_at(std::int64_t tick, std::int64_t epoch) {
   reply_t reply{};
@@ -103,6 +53,15 @@ TEST(AftermathTest, EndsWhereItFalls) {
   EXPECT_TRUE(aftermath.over());
   EXPECT_TRUE(aftermath.fell());
   EXPECT_EQ(aftermath.text(), "FALLEN after 0.84 s");
+}
+
+TEST(AftermathTest, SaysSoWhereThereIsNoTilt) {
+  Aftermath aftermath(pushed_at(100, 3), kMillisecond, 0.2);
+  state_t state = state_at(300, 0.0);
+  state.valid = 0;
+  EXPECT_TRUE(aftermath.on(state));
+  EXPECT_TRUE(aftermath.over());
+  EXPECT_EQ(aftermath.text(), "STATE tells no tilt to watch");
 }
 
 TEST(Tilt, IsTheAngleOfTheAxis) {
