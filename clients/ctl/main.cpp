@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "clients/common/has_tilt.hpp"
 #include "clients/common/initial.hpp"
 #include "clients/common/tilt.hpp"
 #include "clients/ctl/mode_table.hpp"
@@ -24,6 +25,7 @@ struct Options {
   std::int64_t ticks = 1;
   double speed = 1.0;
   std::string initial;
+  std::string rotors;
   bool json = false;
   bool markdown = false;
   std::string awaited;
@@ -46,7 +48,12 @@ void add_verbs(CLI::App& app, Options& options) {
       sub->add_option("factor", options.speed, "Simulated over wall time")
           ->required()
           ->type_name("X")
-          ->check(finite_within(0.0, 1e6).description(""));
+          ->check(finite_within(kSlowestSpeed, kFastestSpeed));
+    } else if (verb.verb == request_t::ROTORS) {
+      sub->add_option("what", options.rotors, "spin-up or spin-down")
+          ->required()
+          ->type_name("WHAT")
+          ->check(one_of({"spin-up", "spin-down"}).description(""));
     } else if (verb.verb == request_t::RESET) {
       sub->add_option("--initial", options.initial,
                       "Initial state instead of the rig file's, rad and rad/s: "
@@ -86,8 +93,11 @@ void add_observers(CLI::App& app, Options& options) {
 request_t request_of(const Verb& verb, const Options& options, const Rig& rig) {
   request_t request{};
   request.verb = verb.verb;
-  request.step_ticks = options.ticks;
-  request.speed_factor = options.speed;
+  if (verb.verb == request_t::STEP) request.step_ticks = options.ticks;
+  if (verb.verb == request_t::SPEED) request.speed_factor = options.speed;
+  if (verb.verb == request_t::ROTORS) {
+    request.kind = options.rotors == "spin-up" ? +request_t::SPIN_UP : +request_t::SPIN_DOWN;
+  }
   if (verb.verb == request_t::RESET && !options.initial.empty()) {
     const std::vector<std::string> names = rig.build_machine().layout.names;
     const Initial initial = parse_initial(options.initial, names, {rig.initial_q, rig.initial_v});
@@ -138,6 +148,10 @@ int run(const CLI::App& app, const RigOptions& rig_options, const Options& optio
   }
   const Rig rig = rig_options.load();
   if (chosen.empty()) throw CLI::RequiredError("what to do, e.g. status,");
+  if (options.awaited == "balanced" && !has_tilt(rig.build_machine())) {
+    throw Error("wait balanced: rig " + rig.name +
+                " cannot tilt, so there is no balance to wait for; `wait running` can be had");
+  }
   MonotonicClock clock;
   Asker asker(rig, clock);
   if (name == "status") {

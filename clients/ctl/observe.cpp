@@ -26,7 +26,15 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 }  // namespace
 
 Sighting sight(const Rig& rig, Asker& asker) {
-  Sighting seen{.rig = rig.name, .reach = reach(rig), .owner = {}, .controller = {}, .command = {}};
+  Sighting seen{.rig = rig.name,
+                .reach = reach(rig),
+                .owner = {},
+                .controller = {},
+                .command = {},
+                .state = {}};
+  const model::Machine machine = rig.build_machine();
+  seen.nominal_rotor_speed.assign(machine.nominal_rotor_speed.begin(),
+                                  machine.nominal_rotor_speed.begin() + machine.rotors);
   asker.listen(kSightingNs, [&seen](const Reception& reception) {
     if (reception.channel == Channel::kIntegratorStatus) {
       Bus::decode(reception, seen.owner.emplace());
@@ -34,9 +42,11 @@ Sighting sight(const Rig& rig, Asker& asker) {
       Bus::decode(reception, seen.controller.emplace());
     } else if (reception.channel == Channel::kCommand) {
       Bus::decode(reception, seen.command.emplace());
+    } else if (reception.channel == Channel::kState) {
+      Bus::decode(reception, seen.state.emplace());
     }
     const bool lease_known = seen.owner && (seen.owner->command_writer == 0 || seen.command);
-    return lease_known && seen.controller.has_value();
+    return lease_known && seen.controller && seen.state;
   });
   seen.reach += asker.suspicion();
   return seen;

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "messages/channels.hpp"
 
@@ -14,15 +15,20 @@ struct Sighting {
   std::string reach;  ///< where was listened: "this host only (lo, ...)"
   std::optional<status_t> owner;
   std::optional<status_t> controller;
-  std::optional<command_t> command;  ///< the last one
+  std::optional<command_t> command;           ///< the last one
+  std::optional<state_t> state;               ///< the last one
+  std::vector<double> nominal_rotor_speed{};  ///< of the rig's rotors [rad/s]
 };
+
+/// Angle between the structure's axis and the vertical [rad], where STATE tells it.
+std::optional<double> tilt(const Sighting& sighting);
+
+/// Speed over nominal speed of each rotor, where STATE tells it; empty: it does not.
+std::vector<double> rotor_shares(const Sighting& sighting);
 
 /// Who holds the owner's command lease: "nobody", "the controller", "writer ...".
 /// @pre sighting.owner
 std::string lease_holder(const Sighting& sighting);
-
-/// "realtime", "lockstep", "free".
-std::string_view pace_name(std::int32_t clock);
 
 /// For people; names the peer that is not heard and how to start it.
 std::string report(const Sighting& sighting);

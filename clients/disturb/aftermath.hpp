@@ -27,7 +27,8 @@ class Aftermath {
   }
   std::int64_t tick() const noexcept { return tick_; }
 
-  /// "peak 2.912 deg after 0.08 s, 0.050 deg after 3 s", or "FALLEN after 0.8 s".
+  /// "peak 2.912 deg after 0.08 s, 0.050 deg after 3 s", or "FALLEN after 0.8 s"; says so when
+  /// STATE tells no tilt.
   std::string text() const;
 
  private:
@@ -39,7 +40,7 @@ class Aftermath {
   std::int64_t epoch_, begin_, tick_ns_;
   double span_s_;
   std::int64_t tick_ = -1, peak_tick_ = 0;  // newest, and that of the peak
-  double tilt_ = 0.0, peak_ = 0.0;          // [rad]
+  double tilt_ = 0.0, peak_ = -1.0;         // [rad]; peak < 0: none was told
   std::int32_t mode_ = status_t::MODE_RUNNING;
 };
 

@@ -1,13 +1,14 @@
-// gyrotwin-disturb: pushes the platform, and tells what came of it.
+// gyrotwin-disturb: disturbs the platform and breaks parts of it, and tells what came of it.
 #include <unistd.h>
 
 #include <cstdio>
-#include <optional>
 #include <string>
 
 #include "clients/common/asker.hpp"
+#include "clients/common/scenario.hpp"
 #include "clients/disturb/aftermath.hpp"
-#include "clients/disturb/push.hpp"
+#include "clients/disturb/options.hpp"
+#include "clients/disturb/play.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
 #include "services/runtime/text.hpp"
@@ -16,48 +17,9 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr double kStrongest = 1e9;
-constexpr double kLatest = 1e15;                // [tick]
-constexpr double kLongest = 3600.0;             // [s]
 constexpr double kShownOnTerminal = 3.0;        // [s]
 constexpr std::int64_t kStill = 2'000'000'000;  // without a tick: time stands still [ns]
-
-/// What the command line says.
-struct Options {
-  Push push;
-  std::optional<double> duration_s, watch_s;
-  std::int64_t start_tick = 0;
-};
-
-void add_push(CLI::App& sub, Options& options, const std::string& moment_unit,
-              const std::string& force_unit) {
-  const auto add = [&](const char* name, double& value, const std::string& what,
-                       const std::string& unit) {
-    sub.add_option(name, value, what + " [" + unit + "]")
-        ->type_name("X")
-        ->check(finite_within(-kStrongest, kStrongest).description(""));
-  };
-  auto& [moment, force] = options.push;
-  add("--roll", moment[0], "About x, forward", moment_unit);
-  add("--pitch", moment[1], "About y, left", moment_unit);
-  add("--yaw", moment[2], "About z, up", moment_unit);
-  add("--push-x", force[0], "Along x, at the structure's centre of mass", force_unit);
-  add("--push-y", force[1], "Along y", force_unit);
-  add("--push-z", force[2], "Along z", force_unit);
-}
-
-void add_when(CLI::App& sub, Options& options, const std::string& duration,
-              const std::string& watch) {
-  sub.add_option("--duration", options.duration_s, duration)
-      ->type_name("S")
-      ->check(finite_within(1e-9, kLongest).description(""));
-  sub.add_option("--at-tick", options.start_tick, "First tick it acts in; default: the next one")
-      ->type_name("N")
-      ->check(finite_within(1.0, kLatest).description(""));
-  sub.add_option("--watch", options.watch_s, watch)
-      ->type_name("S")
-      ->check(finite_within(0.0, kLongest).description(""));
-}
+constexpr double kMostNumbers = 1e15;
 
 /// Prints what followed. @return its exit code
 int watch(Asker& asker, const reply_t& reply, std::int64_t tick_ns, double span_s) {
@@ -82,38 +44,28 @@ int watch(Asker& asker, const reply_t& reply, std::int64_t tick_ns, double span_
   return aftermath.fell() ? kNotDone : kDone;
 }
 
-int push(const Rig& rig, Asker& asker, const Options& options, bool impulse) {
-  Options what = options;
-  if (impulse && what.push.nothing()) what.push.moment[0] = rig.reference_impulse_nms;
-  if (what.push.nothing()) throw Error("step: no load was named; give one, e.g. --roll 0.5");
+int cause(const Rig& rig, Asker& asker, const AskedEvent& event, const EventOptions& options) {
   const std::int64_t tick_ns = asker.owner().tick_period_ns;
   if (tick_ns <= 0) throw NotDone("the owner's STATUS names no tick period");
-
-  const Timing timing{
-      .duration_s = what.duration_s.value_or(impulse ? rig.impulse_duration_s : 0.0),
-      .start_tick = what.start_tick};
-  const request_t request = impulse ? impulse_request(what.push, timing, tick_ns)
-                                    : load_request(what.push, timing, tick_ns);
-  const reply_t reply = ask_or_throw(asker, request, "disturb");
-
-  if (impulse) {
-    std::printf("pushed %s at tick %lld", describe(what.push, " s").c_str(),
-                static_cast<long long>(reply.applied_tick));
-  } else {
-    std::printf("loaded %s, %s", describe(what.push, "").c_str(), get_text(reply.text).c_str());
-  }
+  request_t request = request_of(event, rig, tick_ns);
+  request.start_tick = options.start_tick();
+  const reply_t reply = ask_or_throw(asker, request, std::string(event.kind->name));
+  std::printf("%s", get_text(reply.text).c_str());
   std::fflush(stdout);
-  const bool on_terminal = isatty(STDOUT_FILENO) == 1;
-  const double span_s = what.watch_s.value_or(impulse && on_terminal ? kShownOnTerminal : 0.0);
+
+  const bool shown = event.kind->name == "impulse" && isatty(STDOUT_FILENO) == 1;
+  const double span_s = options.watch_s().value_or(shown ? kShownOnTerminal : 0.0);
   if (span_s > 0.0) return watch(asker, reply, tick_ns, span_s);
   std::printf("\n");
   return kDone;
 }
 
-int clear(Asker& asker) {
+int end(Asker& asker, std::int32_t verb, std::int64_t id) {
   request_t request{};
-  request.verb = request_t::CLEAR;
-  std::printf("%s\n", get_text(ask_or_throw(asker, request, "clear").text).c_str());
+  request.verb = verb;
+  request.id = id;
+  const std::string what = verb == request_t::CLEAR ? "clear" : "cancel";
+  std::printf("%s\n", get_text(ask_or_throw(asker, request, what).text).c_str());
   return kDone;
 }
 
@@ -122,36 +74,49 @@ int clear(Asker& asker) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app("Pushes the platform and tells what came of it.", "gyrotwin-disturb");
+  CLI::App app("Disturbs the platform, breaks parts of it, and tells what came of it.",
+               "gyrotwin-disturb");
   app.footer(
+      "Whatever is asked for is answered with its number and its ticks, or refused. It ends after\n"
+      "its --duration, with cancel, with clear, or with a reset. World frame: x forward, y left, "
+      "z up.\n"
       "Exit code 0: done; 1: refused, not in time, or it fell while watched; 2: asked wrongly.\n"
       "Examples:\n"
       "  gyrotwin disturb impulse          # the rig's reference push\n"
       "  gyrotwin disturb impulse --rig double_brennan --pitch 0.3 --watch 5\n"
-      "  gyrotwin disturb step --push-y 2 && sleep 5 && gyrotwin disturb clear");
+      "  gyrotwin disturb step --push-y 2 && sleep 5 && gyrotwin disturb clear\n"
+      "  gyrotwin disturb gust --roll 0.6 --pitch 0.6 --duration 20\n"
+      "  gyrotwin disturb rotor 2 --watch 10\n"
+      "  gyrotwin disturb play push_and_gust");
   app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
-  gyrotwin::Options options;
-
-  CLI::App* impulse = app.add_subcommand(
-      "impulse", "A short push; without a direction the rig's reference push about x");
-  gyrotwin::add_push(*impulse, options, "N m s", "N s");
-  gyrotwin::add_when(*impulse, options,
-                     "How long it lasts, rounded to ticks [s]; default: the rig's "
-                     "impulse_duration_s",
-                     "Watch the tilt for so long [s]; default: 3 on a terminal");
-  CLI::App* step = app.add_subcommand("step", "A constant load from now on");
-  gyrotwin::add_push(*step, options, "N m", "N");
-  gyrotwin::add_when(*step, options, "How long it lasts [s]; default: until clear",
-                     "Watch the tilt for so long [s]");
-  CLI::App* clear = app.add_subcommand("clear", "End all disturbances, also those to come");
+  const gyrotwin::EventOptions options(app);
+  std::int64_t id = 0;
+  CLI::App* cancel = app.add_subcommand("cancel", "End one, or keep it from beginning");
+  cancel->add_option("number", id, "Of the disturbance or fault, from its answer")
+      ->required()
+      ->type_name("N")
+      ->check(gyrotwin::finite_within(1.0, gyrotwin::kMostNumbers).description(""));
+  CLI::App* clear = app.add_subcommand("clear", "End all, also those to come");
+  std::string scenario;
+  CLI::App* play = app.add_subcommand(
+      "play", "All events of a scenario file; their times count from now, or from arming");
+  play->add_option("scenario", scenario, "Scenario file, or the name of a shipped scenario")
+      ->required()
+      ->type_name("NAME|FILE");
 
   return gyrotwin::run_program(argc, argv, app, [&] {
     const gyrotwin::Rig rig = rig_options.load();
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("impulse, step or clear");
+    const auto planned =
+        play->parsed() ? gyrotwin::load_scenario(scenario) : std::vector<gyrotwin::PlannedEvent>{};
+    const gyrotwin::AskedEvent* event = options.chosen();
+    if (app.get_subcommands().empty()) throw CLI::RequiredError("what to do, e.g. impulse,");
     gyrotwin::MonotonicClock clock;
     gyrotwin::Asker asker(rig, clock);
-    if (clear->parsed()) return gyrotwin::clear(asker);
-    return gyrotwin::push(rig, asker, options, impulse->parsed());
+    if (event != nullptr) return gyrotwin::cause(rig, asker, *event, options);
+    if (cancel->parsed()) return gyrotwin::end(asker, gyrotwin::request_t::CANCEL, id);
+    if (clear->parsed()) return gyrotwin::end(asker, gyrotwin::request_t::CLEAR, 0);
+    gyrotwin::play(asker, rig, planned);
+    return static_cast<int>(gyrotwin::kDone);
   });
 }

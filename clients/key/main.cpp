@@ -1,8 +1,4 @@
 // gyrotwin-key: the secret that a rig's messages are signed with.
-#include <sodium.h>
-#include <spdlog/fmt/fmt.h>
-
-#include <array>
 #include <cstdio>
 #include <string>
 
@@ -13,18 +9,6 @@
 namespace gyrotwin {
 
 namespace {
-
-/// 64 bits that tell keys apart and do not lead back to them: "3f2a-91c0-77de-0b15".
-std::string fingerprint(const Key& key) {
-  if (sodium_init() < 0) throw Error("libsodium does not start: no source of randomness");
-  std::array<std::uint8_t, crypto_generichash_BYTES> hash;
-  crypto_generichash(hash.data(), hash.size(), key.data(), key.size(), nullptr, 0);
-  std::string text;
-  for (std::size_t i = 0; i < 8; i += 2) {
-    text += fmt::format("{}{:02x}{:02x}", text.empty() ? "" : "-", hash[i], hash[i + 1]);
-  }
-  return text;
-}
 
 int make_new(const Rig& rig) {
   const std::filesystem::path path = key_path(rig.name);

@@ -1,8 +1,9 @@
 // gyrotwin-simulate: a rig offline, faster than real time.
 #include <csignal>
-#include <numbers>
 
 #include "clients/common/initial.hpp"
+#include "clients/common/scenario.hpp"
+#include "clients/common/tilt.hpp"
 #include "clients/simulate/expression.hpp"
 #include "clients/simulate/inputs.hpp"
 #include "clients/simulate/mount.hpp"
@@ -10,6 +11,7 @@
 #include "clients/simulate/simulation.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/machine_reader.hpp"
 #include "services/runtime/rig_reader.hpp"
 
 namespace gyrotwin {
@@ -22,7 +24,7 @@ constexpr double kLongest = 1e6;    // [s]
 /// What the command line says; empty: not given.
 struct Options {
   std::vector<std::string> initial, torque, external;
-  std::string motor = "on", law, feedback, stepper, mount, track, output = "-";
+  std::string scenario, motor = "on", law, feedback, stepper, mount, track, output = "-";
   double duration = 10.0;
   std::optional<double> sample;
   bool extra = false;
@@ -48,7 +50,7 @@ void add_inputs(CLI::App& app, Options& options) {
            "thx=0.05,phi_dot=-5; what is not said stays")
       ->type_name("STATE");
   app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
-      ->check(CLI::IsMember(names_of(kLawWords)))
+      ->check(one_of(names_of(kLawWords)))
       ->type_name("NAME")
       ->group("Inputs");
   add_list(app, "--torque", options.torque,
@@ -59,12 +61,17 @@ void add_inputs(CLI::App& app, Options& options) {
            "What acts on the structure, world frame: a CSV file with t_s and any of fx_n fy_n fz_n "
            "(at the push point) mx_nm my_nm mz_nm, or formulas such as mx=2*sin(t)")
       ->type_name("FILE|NAME=FORMULA");
+  app.add_option("--scenario", options.scenario,
+                 "Disturbances and faults at their times, as `gyrotwin disturb play` has them: a "
+                 "scenario file, or the name of a shipped one; needs sampled feedback")
+      ->type_name("NAME|FILE")
+      ->group("Inputs");
 }
 
 void add_plant(CLI::App& app, Options& options) {
   const auto word = [&app](const char* name, std::string& value, const char* help,
                            const std::vector<std::string>& words, const char* group) {
-    return app.add_option(name, value, help)->check(CLI::IsMember(words))->group(group);
+    return app.add_option(name, value, help)->check(one_of(words))->group(group);
   };
   word("--motor", options.motor,
        "off: drives that give any torque at any speed, without motor line and torque limit",
@@ -76,7 +83,7 @@ void add_plant(CLI::App& app, Options& options) {
        names_of(kTrackWords), "Plant");
   word("--feedback", options.feedback,
        "sampled: torques once a tick, held over it, the same bits as a live system in lockstep; "
-       "continuous: at every instant. Default: sampled with a law, continuous without",
+       "continuous: at every instant. Default: sampled with a law, a scenario or an estimate",
        {"sampled", "continuous"}, "Time");
   word("--stepper", options.stepper,
        "fixed: loop.substeps a tick; adaptive: as fine as a relative error of 1e-12 asks. Default: "
@@ -101,7 +108,8 @@ void add_output(CLI::App& app, Options& options) {
       ->type_name("FILE")
       ->group("Output");
   app.add_flag("--extra", options.extra,
-               "More columns: drive torques, tilt, contact forces, holding moment, energies")
+               "More columns: drive torques, rotor speeds, tilt, contact and load cell forces, "
+               "holding moment, energies; what STATE says where it is an estimate")
       ->group("Output");
 }
 
@@ -116,7 +124,21 @@ model::State start_of(const Rig& rig, const model::Machine& machine, const Optio
   for (const std::string& text : options.initial) {
     initial = parse_initial(text, machine.layout.names, std::move(initial));
   }
-  return machine.state(initial.q, initial.v);
+  model::State start = rig.initial_state(machine);
+  const model::State said = machine.state(initial.q, initial.v);
+  start.q = said.q;
+  start.v = said.v;
+  return start;
+}
+
+/// What `disturb play` asks a live owner that is HELD.
+std::vector<Scenario::Event> events_of(const Rig& rig, const std::string& file) {
+  std::vector<Scenario::Event> events;
+  if (file.empty()) return events;
+  for (const PlannedEvent& planned : load_scenario(file)) {
+    events.push_back({request_of(planned, rig, rig.loop.tick_ns(), 0), planned.place});
+  }
+  return events;
 }
 
 Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Options& options) {
@@ -131,8 +153,10 @@ Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Option
     scenario.torque = torque_input(options.torque, machine);
   }
   scenario.external = external_input(options.external, machine);
+  scenario.events = events_of(rig, options.scenario);
   const bool law = !scenario.torque && rig.controller.law != LawKind::kNone;
-  scenario.sampled = options.feedback.empty() ? law : options.feedback == "sampled";
+  const bool ticks = law || !scenario.events.empty() || rig.loop.state == StateSource::kEstimate;
+  scenario.sampled = options.feedback.empty() ? ticks : options.feedback == "sampled";
   scenario.stepping.adaptive =
       options.stepper.empty() ? !scenario.sampled : options.stepper == "adaptive";
   scenario.stepping.substeps = rig.loop.substeps;
@@ -167,7 +191,9 @@ class Recorder : public Spectator {
 
   void sample(const Sample& sample) override {
     if (!file_) {
-      file_.emplace(options_.output, machine_, options_.extra);
+      using Extra = CsvFile::Extra;
+      const Extra extra = sample.estimate != nullptr ? Extra::kWithEstimate : Extra::kTruth;
+      file_.emplace(options_.output, machine_, options_.extra ? extra : Extra::kNone);
       progress_.emplace(options_.duration, !file_->on_terminal());
     }
     file_->write(sample);
@@ -186,18 +212,14 @@ class Recorder : public Spectator {
   std::optional<Progress> progress_;
 };
 
-double degrees(double radians) { return radians * (180.0 / std::numbers::pi); }
-
 void tell_verdict(const Rig& rig, const Outcome& outcome) {
-  if (outcome.fell_at) {
-    std::fprintf(stderr, "falls: tilt beyond %.1f deg (safety.fall_tilt_rad) at %.3f s\n",
-                 degrees(rig.safety.fall_tilt_rad), *outcome.fell_at);
-  } else {
-    const bool growing = outcome.tilt == outcome.largest_tilt && outcome.tilt > 0.0;
-    std::fprintf(stderr, "stands: tilt at most %.2f deg, %.2f deg at the end%s\n",
-                 degrees(outcome.largest_tilt), degrees(outcome.tilt),
-                 growing ? " and growing" : "");
+  if (outcome.safe_stop_at) {
+    std::fprintf(stderr,
+                 "safe stop at %.3f s: no valid command for %d ticks; from then on the drives do "
+                 "safety.safe_stop\n",
+                 *outcome.safe_stop_at, rig.safety.command_timeout_ticks);
   }
+  std::fprintf(stderr, "%s\n", outcome.verdict.text().c_str());
 }
 
 int conclude(const Rig& rig, const Outcome& outcome, bool written) {
@@ -208,7 +230,7 @@ int conclude(const Rig& rig, const Outcome& outcome, bool written) {
                  what.c_str(), outcome.t);
     return kNotDone;
   };
-  if (outcome.fell_at || outcome.end == End::kDuration) tell_verdict(rig, outcome);
+  if (outcome.verdict.fell_at() || outcome.end == End::kDuration) tell_verdict(rig, outcome);
   if (!written) return complain("the output takes no more (disk full?)");
   switch (outcome.end) {
     case End::kDuration:
@@ -222,16 +244,16 @@ int conclude(const Rig& rig, const Outcome& outcome, bool written) {
     case End::kNotFinite:
       break;
   }
-  if (outcome.fell_at) {
+  if (outcome.verdict.has_tilt() && outcome.verdict.fell_at()) {
     std::fprintf(
         stderr,
         "gyrotwin-simulate: the equations end at 90 deg of tilt; the last row is of t = %.6g "
         "s and %.1f deg\n",
-        outcome.t, degrees(outcome.tilt));
+        outcome.t, degrees(outcome.verdict.tilt()));
     return kDone;
   }
   char tilt[32];
-  std::snprintf(tilt, sizeof tilt, "%.1f", degrees(outcome.tilt));
+  std::snprintf(tilt, sizeof tilt, "%.1f", degrees(outcome.verdict.tilt()));
   return complain(
       "no finite motion, or one too fast to follow (a formula that chatters? soften "
       "sign(x) to tanh(x/0.01), or use --feedback sampled), after a tilt of " +
@@ -259,7 +281,9 @@ std::string footer() {
          Expression::functions() +
          "\n  step(x): 0 below 0, else 1; square(x): +1 and -1, period 2 pi. A formula may jump, a "
          "table\n  is followed exactly: zero before its first row, its last row stays.\n"
-         "The last line on stderr says whether it stands or falls. A live owner stops the drives\n"
+         "The last line on stderr says whether it stands or falls; a machine without a tilt, "
+         "whether\n"
+         "it meets its stops. A live owner stops the drives\n"
          "of a fallen platform; here everything goes on, at most to 90 deg of tilt, where the\n"
          "equations end.\n"
          "Exit code 0: simulated, to the end or a fall; 1: not so far; 2: asked wrongly.\n"
@@ -269,6 +293,7 @@ std::string footer() {
          "  gyrotwin simulate --rig prototype_b_sleeping --torque '2*(-5 - phi_dot)'\n"
          "  gyrotwin simulate --rig double_brennan --torque 'qA=0.1*square(2*pi*t)'\n"
          "  gyrotwin simulate --external 'mx=20*step(t-0.5)*step(0.6-t)'\n"
+         "  gyrotwin simulate --scenario push_and_gust --duration 20 --output run.csv\n"
          "  gyrotwin simulate --mount universal_joint --set loop.rate_hz=500 --extra";
 }
 

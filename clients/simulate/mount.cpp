@@ -6,7 +6,7 @@
 
 #include "services/model/umbrella.hpp"
 #include "services/runtime/error.hpp"
-#include "services/runtime/rig_reader.hpp"
+#include "services/runtime/machine_reader.hpp"
 
 namespace gyrotwin {
 

@@ -16,11 +16,12 @@ namespace {
 
 constexpr int kDigits = 16;  // after the first one: 17 in all tell every double apart
 
-std::string extra_header(const model::Machine& machine) {
+std::string extra_header(const model::Machine& machine, bool estimate) {
   std::string header;
   for (const model::Drive& drive : machine.drives) {
     header += "," + machine.layout.names[static_cast<std::size_t>(drive.coordinate)] + "_drive_nm";
   }
+  for (int j = 0; j < machine.rotors; ++j) header += ",rotor_" + std::to_string(j) + "_rad_s";
   header += ",tilt_rad";
   if (machine.track) {
     for (int j = 0; j < machine.rotors; ++j) {
@@ -31,19 +32,24 @@ std::string extra_header(const model::Machine& machine) {
     }
   }
   if (machine.unheld) header += ",holding_x_nm,holding_y_nm";
-  return header + ",kinetic_j,potential_j";
+  if (machine.load_cell) header += ",load_cell_n";
+  header += ",kinetic_j,potential_j";
+  for (const std::string& column : state_columns(machine)) {
+    if (estimate) header += "," + column + "_estimate";
+  }
+  return header;
 }
 
 }  // namespace
 
-CsvFile::CsvFile(const std::string& name, const model::Machine& machine, bool extra)
+CsvFile::CsvFile(const std::string& name, const model::Machine& machine, Extra extra)
     : machine_(machine),
       extra_(extra),
       file_(name == "-" ? stdout : std::fopen(name.c_str(), "w")) {
   if (!file_) throw Error("--output " + name + ": cannot be written: " + std::strerror(errno));
   row_ = "t_s";
   for (const std::string& column : state_columns(machine)) row_ += "," + column;
-  if (extra) row_ += extra_header(machine);
+  if (extra != Extra::kNone) row_ += extra_header(machine, extra == Extra::kWithEstimate);
   end_row();
 }
 
@@ -51,10 +57,14 @@ bool CsvFile::on_terminal() const { return ::isatty(::fileno(file_.get())) != 0;
 
 void CsvFile::write(const Sample& sample) {
   put(sample.t);
-  for (int i = 0; i < machine_.coordinates(); ++i) put(sample.state.q[i]);
-  for (int i = 0; i < machine_.coordinates(); ++i) put(sample.state.v[i]);
-  if (extra_) put_extra(sample);
+  put_state(sample.state);
+  if (extra_ != Extra::kNone) put_extra(sample);
   end_row();
+}
+
+void CsvFile::put_state(const model::State& state) {
+  for (int i = 0; i < machine_.coordinates(); ++i) put(state.q[i]);
+  for (int i = 0; i < machine_.coordinates(); ++i) put(state.v[i]);
 }
 
 void CsvFile::put_extra(const Sample& sample) {
@@ -64,14 +74,17 @@ void CsvFile::put_extra(const Sample& sample) {
   };
   const auto rotors = static_cast<std::size_t>(machine_.rotors);
   put_some(truth.drive_torque, machine_.drives.size());
+  put_some(sample.state.rotor_speed, rotors);
   put(machine_.tilt(sample.state));
   if (machine_.track) {
     put_some(truth.contact_lower, rotors);
     if (machine_.track->clearance) put_some(truth.contact_upper, rotors);
   }
   if (machine_.unheld) put_some(truth.holding_moment, 2);
+  if (machine_.load_cell) put(truth.load_cell);
   put(truth.kinetic_energy);
   put(truth.potential_energy);
+  if (extra_ == Extra::kWithEstimate) put_state(machine_.recall(*sample.estimate));
 }
 
 void CsvFile::put(double value) {

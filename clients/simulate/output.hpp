@@ -15,10 +15,13 @@ namespace gyrotwin {
 /// Complete rows only, whenever it is cut off.
 class CsvFile {
  public:
+  /// More columns: drives, rotors, tilt, contact and load cell forces, holding moment, energies;
+  /// the coordinates and rates that STATE says where it is an estimate.
+  enum class Extra : std::uint8_t { kNone, kTruth, kWithEstimate };
+
   /// @param name `-` for the standard output
-  /// @param extra more columns: drives, tilt, contact forces, holding moment, energies
   /// @throws Error when it cannot be written, with the reason
-  CsvFile(const std::string& name, const model::Machine& machine, bool extra);
+  CsvFile(const std::string& name, const model::Machine& machine, Extra extra);
 
   void write(const Sample& sample);
   /// Everything so far has been taken.
@@ -32,11 +35,12 @@ class CsvFile {
     }
   };
   void put(double value);
+  void put_state(const model::State& state);
   void put_extra(const Sample& sample);
   void end_row();
 
   const model::Machine& machine_;
-  bool extra_;
+  Extra extra_;
   std::unique_ptr<std::FILE, Close> file_;
   std::string row_;
   bool sound_ = true;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "clients/simulate/sampled_loop.hpp"
 #include "services/integrator/plant.hpp"
 #include "services/runtime/error.hpp"
 
@@ -96,40 +97,37 @@ bool finite(const model::Input& input) {
          input.force.allFinite() && input.moment.allFinite();
 }
 
-/// Machine, law and inputs as one differential equation in (q, v, law's memory), in the time since
-/// the last grid point.
+/// Machine, law and inputs as one differential equation in (packed state, law's memory), in the
+/// time since the last grid point.
 class LoopOde : public Ode {
  public:
   /// @param law null: the drives are held, or the scenario's
   LoopOde(const model::Machine& machine, const Scenario& scenario, const Law* law)
       : machine_(machine), scenario_(scenario), law_(law) {}
 
-  int size() const noexcept override {
-    return 2 * machine_.coordinates() + (law_ ? law_->states() : 0);
-  }
+  int size() const noexcept override { return packed_size(machine_) + (law_ ? law_->states() : 0); }
 
   void rates(double t, const double* y, double* dy) noexcept override {
-    const int n = machine_.coordinates();
-    const model::State state = unpack(y, n, scenario_.start.rotor_speed);
-    act(t, state, y + 2 * n, dy + 2 * n);
+    const int n = packed_size(machine_);
+    const model::State state = unpack(machine_, y, scenario_.start.rotor_speed);
+    act(t, state, y + n, dy + n);
     // A law that sees no finite state cannot help it.
     input_finite_ = input_finite_ && (finite(input_) || !state.finite());
-    const model::Coordinates acceleration = machine_.acceleration(state, input_);
-    std::copy_n(state.v.data(), n, dy);
-    std::copy_n(acceleration.data(), n, dy + n);
+    packed_rates(machine_, state, input_, dy);
   }
 
   /// Where local time 0 is [s].
   void start_at(double t) { origin_ = t; }
   /// A time inside the coming piece [s].
   void stay_within(double t) { within_ = t; }
-  void hold(const DriveTorques& torques) { input_.drive = torques; }
+  /// What acts over the tick beside the scenario's external loads.
+  void hold(const model::Input& input) { held_ = input; }
 
   /// What acts at local time t. The last input stays readable.
   void look(double t, const double* y) noexcept {
     std::array<double, kMaxLawStates> ignored;
-    const int n = machine_.coordinates();
-    act(t, unpack(y, n, scenario_.start.rotor_speed), y + 2 * n, ignored.data());
+    act(t, unpack(machine_, y, scenario_.start.rotor_speed), y + packed_size(machine_),
+        ignored.data());
     input_finite_ = input_finite_ && finite(input_);
   }
   const model::Input& input() const { return input_; }
@@ -140,10 +138,11 @@ class LoopOde : public Ode {
     // A hair inside the piece: a formula that jumps at its end has not jumped yet.
     const double inside = within_ + (origin_ + t - within_) * (1.0 - kInside);
     const Instant now{inside, within_, state};
+    input_ = held_;
     if (scenario_.external.value) {
       const Wrench wrench = scenario_.external.value(now);
-      input_.force = wrench.force;
-      input_.moment = wrench.moment;
+      input_.force += wrench.force;
+      input_.moment += wrench.moment;
     }
     if (scenario_.sampled) return;
     if (law_) {
@@ -169,42 +168,15 @@ class LoopOde : public Ode {
   const Law* law_;
   double origin_ = 0.0;
   double within_ = 0.0;
-  model::Input input_;
+  model::Input held_;   // over the tick; sampled feedback
+  model::Input input_;  // of the last evaluation
   bool input_finite_ = true;
-};
-
-/// Torques that are asked for once a tick and act some ticks later, zero until then.
-class HeldDrives {
- public:
-  HeldDrives(const Rig& rig, const model::Machine& machine, const Scenario& scenario)
-      : scenario_(scenario), waiting_(rig.loop.command_delay_ticks + 1u) {
-    if (scenario.torque) return;
-    law_.emplace(rig, machine);
-    law_->reset(machine.observe(scenario.start));
-  }
-
-  /// Torques over tick k, which begins at t [s] in this state.
-  const DriveTorques& over_tick(std::int64_t k, double t, double tick, const model::State& state,
-                                const model::Observation& seen) {
-    const auto size = static_cast<std::int64_t>(waiting_.size());
-    // What jumps with the tick has jumped, whatever the rounding of its time.
-    const double after = t + kInside * tick;
-    waiting_[(k + size - 1) % size] =
-        law_ ? law_->step(seen) : scenario_.torque->value({after, after, state});
-    return waiting_[k % size];
-  }
-
- private:
-  const Scenario& scenario_;
-  std::optional<SampledLaw> law_;
-  std::vector<DriveTorques> waiting_;
 };
 
 class Run {
  public:
   Run(const Rig& rig, const model::Machine& machine, const Scenario& scenario, Spectator& spectator)
-      : rig_(rig),
-        machine_(machine),
+      : machine_(machine),
         scenario_(scenario),
         spectator_(spectator),
         grid_(grid_of(rig, scenario)),
@@ -212,12 +184,17 @@ class Run {
         ode_(machine, scenario, law_.get()),
         stepper_(ode_, scenario.stepping),
         y_(static_cast<std::size_t>(ode_.size())),
-        state_(scenario.start) {
-    if (scenario.sampled) drives_.emplace(rig, machine, scenario);
-    pack(state_, machine.coordinates(), y_.data());
+        state_(scenario.start),
+        outcome_{.verdict = Verdict(rig, machine, scenario.duration)} {
+    if (scenario.sampled) {
+      sampled_.emplace(rig, machine, scenario);
+    } else if (rig.loop.state == StateSource::kEstimate || !scenario.events.empty()) {
+      throw Error("estimates and scenario files go in ticks: they need sampled feedback");
+    }
+    pack(machine, state_, y_.data());
     if (law_) {
       const LawState memory = law_->start(machine.observe(state_));
-      std::copy_n(memory.data(), law_->states(), y_.data() + 2 * machine.coordinates());
+      std::copy_n(memory.data(), law_->states(), y_.data() + packed_size(machine));
     }
     breakpoints_ = scenario.external.breakpoints;
     if (!scenario.sampled && scenario.torque) {
@@ -229,13 +206,12 @@ class Run {
 
   Outcome go() {
     using End = Outcome::End;
-    outcome_.tilt = outcome_.largest_tilt = machine_.tilt(state_);
-    if (outcome_.tilt > rig_.safety.fall_tilt_rad) outcome_.fell_at = 0.0;
+    outcome_.verdict.note(0.0, machine_, state_);
     if (!scenario_.sampled) {
       ode_.stay_within(0.5 * grid_.length(0));
       ode_.look(0.0, y_.data());
     }
-    spectator_.sample({0.0, state_, ode_.input()});
+    show();
     for (std::int64_t i = 0; i < grid_.steps; ++i) {
       if (!spectator_.go_on(outcome_.t)) {
         outcome_.end = End::kStopped;
@@ -246,21 +222,26 @@ class Run {
         outcome_.end = ode_.input_finite() ? End::kNotFinite : End::kInputNotFinite;
         return outcome_;
       }
-      note(grid_.time(i + 1));
-      if (grid_.sample_at(i + 1)) spectator_.sample({outcome_.t, state_, ode_.input()});
+      outcome_.t = grid_.time(i + 1);
+      outcome_.verdict.note(outcome_.t, machine_, state_);
+      if (grid_.sample_at(i + 1)) show();
     }
     return outcome_;
   }
 
  private:
+  void show() {
+    spectator_.sample(
+        {outcome_.t, state_, ode_.input(), sampled_ ? sampled_->estimate() : nullptr});
+  }
+
   /// One grid step, cut at breakpoints so that the right-hand side is smooth within each piece.
   bool step(std::int64_t i) {
     const double t = grid_.time(i);
     const double length = grid_.length(i);
     ode_.start_at(t);
-    if (drives_) {
-      ode_.hold(drives_->over_tick(i, t, length, state_, machine_.observe(state_)));
-    }
+    if (sampled_) ode_.hold(sampled_->over_tick(i, t, state_));
+    if (sampled_ && sampled_->stopped_at() == i) outcome_.safe_stop_at = t;
     const double same = std::min(kSameTime * std::max(1.0, t), kSameCount * length);
     double begin = 0.0;  // since t, as the live plant counts
     auto cut = std::upper_bound(breakpoints_.begin(), breakpoints_.end(), t + same);
@@ -272,27 +253,14 @@ class Run {
       if (!stepper_.advance(begin, end, y_)) return false;
       begin = end;
     }
-    const model::State next =
-        unpack(y_.data(), machine_.coordinates(), scenario_.start.rotor_speed);
+    const model::State next = unpack(machine_, y_.data(), scenario_.start.rotor_speed);
     if (!next.finite()) return false;
     state_ = next;
     ode_.look(length, y_.data());
+    if (sampled_) sampled_->look(i, state_, ode_.input());
     return true;
   }
 
-  void note(double t) {
-    const double tilt = machine_.tilt(state_);
-    const double limit = rig_.safety.fall_tilt_rad;
-    if (!outcome_.fell_at && tilt > limit) {
-      const double share = (limit - outcome_.tilt) / (tilt - outcome_.tilt);
-      outcome_.fell_at = outcome_.t + share * (t - outcome_.t);
-    }
-    outcome_.t = t;
-    outcome_.tilt = tilt;
-    outcome_.largest_tilt = std::max(outcome_.largest_tilt, tilt);
-  }
-
-  const Rig& rig_;
   const model::Machine& machine_;
   const Scenario& scenario_;
   Spectator& spectator_;
@@ -300,7 +268,7 @@ class Run {
   const std::unique_ptr<Law> law_;  // of continuous feedback
   LoopOde ode_;
   Stepper stepper_;
-  std::optional<HeldDrives> drives_;  // of sampled feedback
+  std::optional<SampledLoop> sampled_;
   std::vector<double> breakpoints_;
   std::vector<double> y_;
   model::State state_;

@@ -5,8 +5,11 @@
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "clients/simulate/verdict.hpp"
+#include "messages/channels.hpp"
 #include "services/controller/law.hpp"
 #include "services/integrator/stepper.hpp"
 #include "services/model/machine.hpp"
@@ -46,13 +49,21 @@ struct Scenario {
   StepPolicy stepping;  ///< fixed: substeps per tick
   std::optional<InputFunction<DriveTorques>> torque;  ///< replaces the rig's law [N m]
   InputFunction<Wrench> external;
+
+  /// A DISTURB or FAULT, asked for while the platform is held.
+  struct Event {
+    request_t request;
+    std::string place;  ///< for messages
+  };
+  std::vector<Event> events;  ///< in the order of asking; sampled feedback only
 };
 
 /// The machine at one instant.
 struct Sample {
   double t;  ///< [s]
   const model::State& state;
-  const model::Input& input;  ///< that led here; at the start of sampled feedback: none
+  const model::Input& input;           ///< that led here; at the start of sampled feedback: none
+  const model::Observation* estimate;  ///< what STATE says; null where it says the truth
 };
 
 /// Who looks on. Called in order of time.
@@ -74,18 +85,18 @@ struct Outcome {
     kNotFinite        ///< the solver failed or the state was not finite
   };
   End end = End::kDuration;
-  double t = 0.0;                 ///< last time with a sound state [s]
-  double tilt = 0.0;              ///< then [rad]
-  double largest_tilt = 0.0;      ///< until then [rad]
-  std::optional<double> fell_at;  ///< when the tilt first passed the rig's safety.fall_tilt_rad [s]
+  double t = 0.0;                        ///< last time with a sound state [s]
+  Verdict verdict{};                     ///< of all until then
+  std::optional<double> safe_stop_at{};  ///< when commands were lost, for good [s]
 };
 
 /// Runs a scenario. Sampled feedback takes the very steps of a live system in lockstep: the law
-/// once a tick, its torque held from `command_delay_ticks` later, `substeps` from local time 0.
-/// Continuous feedback asks law or torque at every evaluation and integrates the law's memory too.
+/// once a tick on what STATE says, its torque held from `command_delay_ticks` later, `substeps`
+/// from local time 0. Continuous feedback asks law or torque at every evaluation and integrates the
+/// law's memory too; it knows neither events nor estimates.
 /// @param rig its law, unless the scenario has a torque; its tick, delay and fall limit
 /// @param machine the rig's, whose drives may have been changed
-/// @throws Error when law, tick, sample and duration do not fit together
+/// @throws Error when law, tick, sample, duration and events do not fit together
 Outcome simulate(const Rig& rig, const model::Machine& machine, const Scenario& scenario,
                  Spectator& spectator);
 

@@ -1,5 +1,6 @@
 // Lockstep over the real bus: the same bits every time, and the same as offline.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <fstream>
@@ -27,10 +28,14 @@ void blank(header_t& header) {
   header.sender_mono_ns = 0;
 }
 
-Recording record(const std::string& rig) {
+/// @param scenario played while HELD; empty: none
+Recording record(const std::string& rig, const std::string& scenario = "") {
   Lab lab(rig, {"loop.clock=lockstep"});
   Recording recording;
   lab.start_daemons();
+  if (!scenario.empty()) {
+    EXPECT_EQ(lab.run("disturb", {"play", scenario}), 0) << lab.said;
+  }
   lab.arm();
   lab.until([&](const Reception& reception) {
     if (reception.channel == Channel::kState) {
@@ -74,31 +79,25 @@ void expect_same(const std::map<std::int64_t, Message>& a,
   EXPECT_GT(compared, kTicks / 2);
 }
 
-class Lockstep : public testing::TestWithParam<const char*> {};
-
-TEST_P(Lockstep, IsTheSameToTheBitFromRunToRunAndOffline) {
-  const Recording a = record(GetParam());
-  const Recording b = record(GetParam());
-  ASSERT_FALSE(a.states.empty());
-  expect_same(a.states, b.states);
-  expect_same(a.commands, b.commands);
-
-  // Offline, the same rig file and law.
-  Lab lab(GetParam(), {"loop.clock=lockstep"});
+/// Offline, the same rig file and law, and what else is given.
+void expect_offline(const Recording& live, const std::string& rig,
+                    const std::vector<std::string>& more = {}) {
+  Lab lab(rig, {"loop.clock=lockstep"});
   const model::Machine machine = lab.rig.build_machine();
   const std::string csv = (lab.folder() / "offline.csv").string();
   const double dt = lab.rig.loop.tick_s();
-  ASSERT_EQ(lab.run("simulate", {"--feedback", "sampled", "--duration", std::to_string(kTicks * dt),
-                                 "--sample", std::to_string(dt), "--output", csv}),
-            0)
-      << lab.said;
+  std::vector<std::string> arguments{
+      "--feedback", "sampled",          "--duration", std::to_string(kTicks * dt),
+      "--sample",   std::to_string(dt), "--output",   csv};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  ASSERT_EQ(lab.run("simulate", arguments), 0) << lab.said;
   std::ifstream file(csv);
   std::string line;
   std::getline(file, line);
   int compared = 0;
   for (std::int64_t tick = 0; std::getline(file, line); ++tick) {
-    const auto state = a.states.find(tick + 1);
-    if (state == a.states.end()) continue;
+    const auto state = live.states.find(tick + 1);
+    if (state == live.states.end()) continue;
     std::istringstream row(line);
     std::string cell;
     std::getline(row, cell, ',');
@@ -119,9 +118,51 @@ TEST_P(Lockstep, IsTheSameToTheBitFromRunToRunAndOffline) {
   EXPECT_GT(compared, kTicks / 2);
 }
 
+class Lockstep : public testing::TestWithParam<const char*> {};
+
+TEST_P(Lockstep, IsTheSameToTheBitFromRunToRunAndOffline) {
+  const Recording a = record(GetParam());
+  const Recording b = record(GetParam());
+  ASSERT_FALSE(a.states.empty());
+  expect_same(a.states, b.states);
+  expect_same(a.commands, b.commands);
+
+  expect_offline(a, GetParam());
+}
+
 INSTANTIATE_TEST_SUITE_P(Rigs, Lockstep,
                          testing::Values("prototype_b", "prototype_b_sleeping", "double_brennan"),
                          [](const auto& test) { return std::string(test.param); });
+
+TEST(Lockstep, AScenarioPlayedWhileHeldIsTheOneOfSimulate) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() /
+                                     ("gyrotwin-scenario-" + std::to_string(::getpid()) + ".toml");
+  std::ofstream(file) << R"(
+[[event]]
+kind = "gust"
+at_s = 0
+roll_nm = 0.2
+pitch_nm = 0.1
+seed = 4
+duration_s = 1.5
+[[event]]
+kind = "impulse"
+at_s = 0.5
+[[event]]
+kind = "link"
+at_s = 1.2
+duration_s = 0.008
+[[event]]
+kind = "rotor"
+rotor = 1
+at_s = 2.0
+drag_nm = 0.02
+)";
+  const Recording live = record("double_brennan", file.string());
+  ASSERT_FALSE(live.states.empty());
+  expect_offline(live, "double_brennan", {"--scenario", file.string()});
+  std::filesystem::remove(file);
+}
 
 TEST(Lockstep, WaitsForItsControllerSaysSoAndGoesOn) {
   Lab lab("double_brennan", {"loop.clock=lockstep"});

@@ -1,0 +1,74 @@
+#include "clients/common/status_words.hpp"
+
+#include <iterator>
+#include <numeric>
+
+#include "services/runtime/text.hpp"
+
+namespace gyrotwin {
+
+std::string time_text(std::int64_t ns) {
+  const double value = static_cast<double>(ns);
+  if (ns >= 1'000'000'000) return fmt::format("{:.3g} s", 1e-9 * value);
+  if (ns >= 1'000'000) return fmt::format("{:.3g} ms", 1e-6 * value);
+  return fmt::format("{:.3g} us", 1e-3 * value);
+}
+
+std::string distribution_text(std::int64_t p50, std::int64_t p99, std::int64_t max) {
+  return fmt::format("p50 {}, p99 {}, max {}", time_text(p50), time_text(p99), time_text(max));
+}
+
+std::string process_text(const status_t& status) {
+  return fmt::format("{} on {}", status.pid, get_text(status.host));
+}
+
+std::string_view pace_name(std::int32_t clock) {
+  switch (clock) {
+    case status_t::PACE_REALTIME:
+      return "realtime";
+    case status_t::PACE_LOCKSTEP:
+      return "lockstep";
+    case status_t::PACE_FREE:
+      return "free";
+    default:
+      return "unknown";
+  }
+}
+
+std::string counts_text(std::initializer_list<Count> all, std::string_view none) {
+  std::string text;
+  for (const Count& c : all) {
+    if (c.count == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", c.count, c.what);
+  }
+  return text.empty() ? std::string(none) : text;
+}
+
+std::string overruns_text(const status_t& owner) {
+  return counts_text({{owner.overruns, "ticks too late"}, {owner.skipped_ticks, "skipped"}},
+                     "none");
+}
+
+std::string refusals_text(const status_t& owner) {
+  return counts_text({{owner.refused_not_finite, "not finite"},
+                      {owner.refused_epoch, "for another run"},
+                      {owner.refused_expired, "expired"},
+                      {owner.refused_counter, "with a used counter"},
+                      {owner.refused_writer, "without the lease"}},
+                     "no commands");
+}
+
+std::int64_t sum(const std::int64_t (&slots)[kChannelSlots]) {
+  return std::accumulate(std::begin(slots), std::end(slots), std::int64_t{0});
+}
+
+std::string lease_holder(const status_t& owner, const std::optional<status_t>& controller,
+                         const std::optional<command_t>& command) {
+  const std::int64_t writer = owner.command_writer;
+  if (writer == 0) return "nobody";
+  const bool known = command && command->writer == writer && controller &&
+                     command->header.epoch == controller->header.epoch;
+  return known ? "the controller" : fmt::format("writer {}", writer);
+}
+
+}  // namespace gyrotwin

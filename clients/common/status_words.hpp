@@ -1,0 +1,50 @@
+// STATUS in words, for people.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "messages/channels.hpp"
+
+namespace gyrotwin {
+
+/// "70 us", "1.25 ms", "2 s".
+std::string time_text(std::int64_t ns);
+
+/// "p50 70 us, p99 1.25 ms, max 2 s".
+std::string distribution_text(std::int64_t p50, std::int64_t p99, std::int64_t max);
+
+/// "4711 on lab".
+std::string process_text(const status_t& status);
+
+/// "realtime", "lockstep", "free".
+std::string_view pace_name(std::int32_t clock);
+
+/// So many of something.
+struct Count {
+  std::int64_t count;
+  std::string_view what;
+};
+
+/// Those that are not 0, "3 late, 1 lost", or `none`.
+std::string counts_text(std::initializer_list<Count> all, std::string_view none);
+
+/// "3 ticks too late, 1 skipped" or "none".
+std::string overruns_text(const status_t& owner);
+
+/// Commands that an owner did not obey, by reason: "7 expired" or "no commands".
+std::string refusals_text(const status_t& owner);
+
+/// Sum over the channels.
+std::int64_t sum(const std::int64_t (&slots)[kChannelSlots]);
+
+/// Who holds the owner's command lease: "nobody", "the controller", "writer ...".
+/// @param command the last one heard
+std::string lease_holder(const status_t& owner, const std::optional<status_t>& controller,
+                         const std::optional<command_t>& command);
+
+}  // namespace gyrotwin

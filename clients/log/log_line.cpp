@@ -1,0 +1,53 @@
+#include "clients/log/log_line.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "clients/log/lcm_text.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr std::size_t kShownOfUnknown = 32;  // [byte]
+
+}  // namespace
+
+std::string short_line(const Catalog& catalog, const LogEvent& event, double seconds) {
+  if (is_log_channel(event.channel)) {
+    return {reinterpret_cast<const char*>(event.data.data()), event.data.size()};
+  }
+  std::string line = fmt::format("{:12.6f}  {}", seconds, event.channel);
+  if (const LcmType* type = catalog.type_of(event)) {
+    append_short(line, *type, event.data);
+    return line;
+  }
+  fmt::format_to(std::back_inserter(line), " {} bytes ", event.data.size());
+  append_hex(line, event.data.first(std::min(event.data.size(), kShownOfUnknown)));
+  if (event.data.size() > kShownOfUnknown) line += "...";
+  return line;
+}
+
+std::string json_line(const Catalog& catalog, const LogEvent& event, double seconds) {
+  std::string line =
+      fmt::format(R"({{"time_us":{},"seconds":{:.6f},"channel":)", event.time_us, seconds);
+  append_json_string(line, event.channel);
+  if (is_log_channel(event.channel)) {
+    line += R"(,"text":)";
+    append_json_string(line, {reinterpret_cast<const char*>(event.data.data()), event.data.size()});
+  } else if (const LcmType* type = catalog.type_of(event)) {
+    line += R"(,"type":)";
+    append_json_string(line, type->name);
+    line += R"(,"message":)";
+    append_json(line, *type, event.data);
+  } else {
+    line += R"(,"data":")";
+    append_hex(line, event.data);
+    line += '"';
+  }
+  return line += '}';
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,136 @@
+// gyrotwin-log: keeps the record of a rig, shows it, plays it back, repairs it.
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "clients/log/cat.hpp"
+#include "clients/log/log_info.hpp"
+#include "clients/log/record.hpp"
+#include "clients/log/recover.hpp"
+#include "clients/log/replay.hpp"
+#include "services/runtime/cli.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kLongest = 1e9;  // [s]
+
+/// What the command line says.
+struct Options {
+  RecordOptions record;
+  bool all = false;
+  double rotate_mb = 0.0, rotate_s = 0.0;
+  std::string file, recovered;
+  bool json = false;
+  Selection selection;
+  double speed = 1.0;
+};
+
+void add_file(CLI::App& sub, Options& options) {
+  sub.add_option("file", options.file, "A log")->required()->type_name("FILE");
+}
+
+void add_record(CLI::App& sub, Options& options) {
+  sub.add_option("file", options.record.file, "A new file; default: named by rig and time")
+      ->type_name("FILE");
+  sub.add_flag("--all", options.all,
+               "Also keep foreign short messages on the rig's group, as they are");
+  sub.add_option("--rotate-mb", options.rotate_mb,
+                 "Begin a new file when one has this size; files are then numbered [MB]")
+      ->type_name("X")
+      ->check(finite_within(1e-3, 1e9).description(""));
+  sub.add_option("--rotate-s", options.rotate_s,
+                 "Begin a new file when one has lasted this long [s]")
+      ->type_name("S")
+      ->check(finite_within(1e-3, kLongest).description(""));
+}
+
+void add_selection(CLI::App& sub, Options& options) {
+  sub.add_option("--channel", options.selection.channels,
+                 "Only this channel, whole or its end, e.g. LIVE/STATE; repeatable")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  sub.add_option("--from", options.selection.from_s, "Begin so long after the first message [s]")
+      ->type_name("S")
+      ->check(finite_within(0.0, kLongest).description(""));
+  sub.add_option("--to", options.selection.to_s, "End so long after the first message [s]")
+      ->type_name("S")
+      ->check(finite_within(0.0, kLongest).description(""));
+}
+
+int run_record(const RigOptions& rig_options, const Options& options) {
+  const Rig rig = rig_options.load();
+  RecordOptions what = options.record;
+  what.keep = options.all ? Tap::Keep::kAll : Tap::Keep::kRig;
+  what.limits = {.bytes = std::llround(1e6 * options.rotate_mb),
+                 .time_us = std::llround(1e6 * options.rotate_s)};
+  return record(rig, print_rig(rig_options.name(), rig_options.overrides()), what);
+}
+
+int run_info(const Options& options) {
+  Log log(options.file);
+  const LogInfo info = survey(log);
+  const auto text = options.json ? info_json : info_text;
+  std::fputs(text(options.file, log, info).c_str(), stdout);
+  return kDone;
+}
+
+}  // namespace
+
+}  // namespace gyrotwin
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Keeps the record of a rig in LCM's log format, shows it, plays it back, repairs it.",
+      "gyrotwin-log");
+  app.footer(
+      "Exit code 0: done; 1: not done, or not to the end; 2: asked wrongly.\n"
+      "Examples:\n"
+      "  gyrotwin log record run.lcm            # until Ctrl-C\n"
+      "  gyrotwin log info run.lcm\n"
+      "  gyrotwin log cat --channel LIVE/STATE --from 2 --to 3 --json run.lcm\n"
+      "  gyrotwin log replay run.lcm\n"
+      "  gyrotwin log recover broken.lcm whole.lcm");
+  app.require_subcommand(0, 1);
+  gyrotwin::Options options;
+
+  CLI::App* record = app.add_subcommand("record", "Record the rig's bus until Ctrl-C");
+  gyrotwin::add_record(*record, options);
+  const gyrotwin::RigOptions record_rig(*record);
+
+  CLI::App* info = app.add_subcommand("info", "What is in a log");
+  gyrotwin::add_file(*info, options);
+  info->add_flag("--json", options.json, "For programs");
+
+  CLI::App* cat = app.add_subcommand(
+      "cat", "Messages of a log, one a line; what is zero is left out, but with --json");
+  gyrotwin::add_file(*cat, options);
+  gyrotwin::add_selection(*cat, options);
+  cat->add_flag("--json", options.json, "JSON lines with every field and digit");
+
+  CLI::App* replay = app.add_subcommand("replay", "Send a log on the rig's bus, as recorded");
+  gyrotwin::add_file(*replay, options);
+  gyrotwin::add_selection(*replay, options);
+  replay->add_option("--speed", options.speed, "Recorded over wall time")
+      ->type_name("X")
+      ->capture_default_str()
+      ->check(gyrotwin::finite_within(1e-3, 1e6).description(""));
+  const gyrotwin::RigOptions replay_rig(*replay);
+
+  CLI::App* recover = app.add_subcommand("recover", "Copy what is sound in a damaged log");
+  gyrotwin::add_file(*recover, options);
+  recover->add_option("out", options.recovered, "A new file")->required()->type_name("OUT");
+
+  return gyrotwin::run_program(argc, argv, app, [&] {
+    if (record->parsed()) return gyrotwin::run_record(record_rig, options);
+    if (info->parsed()) return gyrotwin::run_info(options);
+    if (cat->parsed()) return gyrotwin::cat(options.file, options.selection, options.json);
+    if (replay->parsed()) {
+      const gyrotwin::Rig rig = replay_rig.load();
+      return gyrotwin::replay(rig, options.file, options.selection, options.speed);
+    }
+    if (recover->parsed()) return gyrotwin::recover(options.file, options.recovered);
+    throw CLI::RequiredError("record, info, cat, replay or recover");
+  });
+}

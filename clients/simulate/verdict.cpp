@@ -1,0 +1,67 @@
+#include "clients/simulate/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "clients/common/has_tilt.hpp"
+#include "clients/common/tilt.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kEarlierPart = 0.8;  // of the run
+constexpr double kClearly = 0.01;     // more, as a share
+constexpr double kNothing = 1e-9;     // that rounding alone may make [rad]
+
+template <class... Args>
+std::string print(const char* format, Args... args) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, args...);
+  return text;
+}
+
+}  // namespace
+
+Verdict::Verdict(const Rig& rig, const model::Machine& machine, double duration)
+    : has_tilt_(gyrotwin::has_tilt(machine)),
+      limit_(has_tilt_ ? rig.safety.fall_tilt_rad : 0.0),
+      duration_(duration) {}
+
+void Verdict::note(double t, const model::Machine& machine, const model::State& state) noexcept {
+  const double before = tilt_;
+  tilt_ = machine.tilt(state);
+  const double measure = has_tilt_ ? tilt_ : -machine.truth(state, {}).gimbal_margin;
+  if (!fell_at_ && measure > limit_) {
+    const bool crossed = has_tilt_ && before < limit_ && t > t_;
+    fell_at_ = crossed ? t_ + (limit_ - before) / (tilt_ - before) * (t - t_) : t;
+  }
+  t_ = t;
+  double& largest = t <= kEarlierPart * duration_ ? earlier_ : later_;
+  largest = std::max(largest, measure);
+}
+
+double Verdict::largest_tilt() const noexcept { return std::max(earlier_, later_); }
+double Verdict::least_margin() const noexcept { return -std::max(earlier_, later_); }
+
+bool Verdict::growing() const noexcept {
+  return later_ > earlier_ + kClearly * std::abs(earlier_) + kNothing;
+}
+
+std::string Verdict::text() const {
+  if (!has_tilt_) {
+    if (fell_at_) return print("meets its stop: a gimbal reaches it at %.3f s", *fell_at_);
+    return print("keeps off its stops%s: %.3g deg away at the closest%s",
+                 growing() ? " so far" : "", degrees(least_margin()),
+                 growing() ? ", and still closing in" : "");
+  }
+  if (fell_at_) {
+    return print("falls: tilt beyond %.1f deg (safety.fall_tilt_rad) at %.3f s", degrees(limit_),
+                 *fell_at_);
+  }
+  return print("stands%s: tilt at most %.3g deg, %.3g deg at the end%s", growing() ? " so far" : "",
+               degrees(largest_tilt()), degrees(tilt_), growing() ? ", and growing" : "");
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,47 @@
+// Whether a simulated platform stands.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "services/model/machine.hpp"
+#include "services/runtime/rig.hpp"
+
+namespace gyrotwin {
+
+/// What is seen of a run, instant by instant; machines without a tilt are judged by their gimbals'
+/// stops.
+class Verdict {
+ public:
+  Verdict() = default;
+  /// @param duration of the whole run [s]
+  Verdict(const Rig& rig, const model::Machine& machine, double duration);
+
+  /// The next instant [s] of this machine.
+  void note(double t, const model::Machine& machine, const model::State& state) noexcept;
+
+  bool has_tilt() const noexcept { return has_tilt_; }
+  double tilt() const noexcept { return tilt_; }  ///< now [rad]
+  double largest_tilt() const noexcept;           ///< until now [rad]
+  double least_margin() const noexcept;           ///< no tilt: to a stop [rad]
+  /// When the tilt first passed safety.fall_tilt_rad, or a gimbal without a tilt its stop [s].
+  std::optional<double> fell_at() const noexcept { return fell_at_; }
+  /// The last fifth of the run has seen clearly more than all before: nobody knows how it ends.
+  bool growing() const noexcept;
+
+  /// "stands: tilt at most 2.91 deg, 0.05 deg at the end".
+  std::string text() const;
+
+ private:
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+  bool has_tilt_ = true;
+  double limit_ = 0.0;  // of what is measured: the tilt, or minus the gimbals' margin [rad]
+  double duration_ = 0.0;
+  double t_ = 0.0, tilt_ = 0.0;
+  double earlier_ = kNever, later_ = kNever;  // largest measure, by part of the run
+  std::optional<double> fell_at_;
+};
+
+}  // namespace gyrotwin

@@ -1,0 +1,39 @@
+// How far the platform is from its limits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "clients/top/picture.hpp"
+#include "clients/top/rig_facts.hpp"
+
+namespace gyrotwin {
+
+struct Margin {
+  enum class Room : std::uint8_t { kFine, kClose, kGone };
+  double left;  ///< < 0 beyond the limit
+  Room room;
+};
+
+/// Those that live messages tell; empty: not known now, or the rig has no such limit.
+struct Margins {
+  std::optional<Margin> tilt;                                    ///< to the fall limit [rad]
+  std::array<std::optional<Margin>, model::kMaxGyros> gimbal{};  ///< to the closest stop [rad]
+  std::array<std::optional<Margin>, model::kMaxDrives>
+      drive{};  ///< in the direction it pushes [N m]
+};
+
+Margins margins_of(const Picture& picture, const RigFacts& facts);
+
+/// The smallest, by what is left of it.
+template <std::size_t N>
+std::optional<Margin> smallest(const std::array<std::optional<Margin>, N>& margins) {
+  std::optional<Margin> least;
+  for (const auto& margin : margins) {
+    if (margin && (!least || margin->left < least->left)) least = margin;
+  }
+  return least;
+}
+
+}  // namespace gyrotwin
