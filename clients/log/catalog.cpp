@@ -91,6 +91,10 @@ std::string title(const LcmType& type) {
 
 bool is_log_channel(std::string_view channel) { return channel.starts_with(kOwn); }
 
+std::string_view opening_text(const LogEvent& event) {
+  return text_of(event.data.subspan(kSumSize));
+}
+
 std::map<std::string, LoggedChannel, std::less<>> channels_of(const std::string& prefix) {
   const LcmTypes types(lcm_sources());
   std::map<std::string, LoggedChannel, std::less<>> channels;
@@ -124,7 +128,7 @@ Catalog::Catalog(FindKey find_key)
       types_(sources_) {}
 
 bool Catalog::take(const LogEvent& event) {
-  const std::string_view text = text_of(event.data.subspan(kSumSize));
+  const std::string_view text = opening_text(event);
   if (event.channel == kRig) rig_file_ = text;
   if (event.channel == kType) return take_type(text);
   if (event.channel != kAbout) return true;

@@ -45,6 +45,9 @@ std::span<const std::string> lcm_sources();
 /// A channel of the log's own, which no rig's can be: the alphabet of those has no small letters.
 bool is_log_channel(std::string_view channel);
 
+/// What an event on such a channel says; it must be sound.
+std::string_view opening_text(const LogEvent& event);
+
 /// The events that stand first in every file.
 /// @param sources .lcm texts, each of one struct
 /// @param rig_file the rig in effect, as TOML

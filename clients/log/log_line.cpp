@@ -17,7 +17,7 @@ constexpr std::size_t kShownOfUnknown = 32;  // [byte]
 
 std::string short_line(const Catalog& catalog, const LogEvent& event, double seconds) {
   if (is_log_channel(event.channel)) {
-    return {reinterpret_cast<const char*>(event.data.data()), event.data.size()};
+    return std::string(opening_text(event));
   }
   std::string line = fmt::format("{:12.6f}  {}", seconds, event.channel);
   if (const LcmType* type = catalog.type_of(event)) {
@@ -36,7 +36,7 @@ std::string json_line(const Catalog& catalog, const LogEvent& event, double seco
   append_json_string(line, event.channel);
   if (is_log_channel(event.channel)) {
     line += R"(,"text":)";
-    append_json_string(line, {reinterpret_cast<const char*>(event.data.data()), event.data.size()});
+    append_json_string(line, opening_text(event));
   } else if (const LcmType* type = catalog.type_of(event)) {
     line += R"(,"type":)";
     append_json_string(line, type->name);

@@ -15,31 +15,13 @@ namespace {
 constexpr double kInside = 1e-9;
 constexpr std::int64_t kEpoch = 1, kWriter = 1;  // one run, one controller
 
-/// Of STATE's groups, "disc tilt, rotor speeds".
-std::string group_names(std::int32_t groups) {
-  struct Group {
-    std::int32_t bit;
-    const char* name;
-  };
-  constexpr Group kGroups[] = {{state_t::VALID_TILT, "tilt"},
-                               {state_t::VALID_DISC_TILT, "disc tilt"},
-                               {state_t::VALID_DISC, "disc"},
-                               {state_t::VALID_GIMBALS, "gimbals"},
-                               {state_t::VALID_ROTORS, "rotor speeds"}};
-  std::string text;
-  for (const Group& group : kGroups) {
-    if (groups & group.bit) text += (text.empty() ? "" : ", ") + std::string(group.name);
-  }
-  return text;
-}
-
 }  // namespace
 
 SampledLoop::SampledLoop(const Rig& rig, const model::Machine& machine, const Scenario& scenario)
     : rig_(rig),
       machine_(machine),
       scenario_(scenario),
-      needed_(valid_groups(machine)),
+      needed_(groups_for_laws(machine)),
       schedule_(rig, machine),
       gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
       safe_stop_(rig, machine) {
@@ -52,11 +34,6 @@ SampledLoop::SampledLoop(const Rig& rig, const model::Machine& machine, const Sc
   }
   measure(0, scenario.start, {});
   if (estimator_) estimator_->reset(machine.observe(scenario.start));
-  if (estimator_ && law_ && !heard(scenario.start)) {
-    throw Error("loop.state = \"estimate\": what rig " + rig.name +
-                " measures does not tell what its controller needs: " +
-                group_names(needed_ & ~estimator_->valid()) + "; use `--set loop.state=truth`");
-  }
   schedule(scenario);
 }
 

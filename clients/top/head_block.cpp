@@ -96,11 +96,10 @@ Line clock_line(const View& view) {
 }
 
 /// "tilt 38.9 deg fine".
-void put_margin(Line& line, std::string_view what, const Margin& margin, double left,
-                std::string_view unit, std::string_view gone) {
+void put_margin(Line& line, const std::string& what, const Margin& margin, std::string_view gone) {
   const std::string_view words[] = {"fine", "close", gone};
   const std::string_view word = words[static_cast<std::size_t>(margin.room)];
-  line.put(fmt::format("  {} {:.3g} {} ", what, left, unit)).put(word, tone_of(margin.room));
+  line.put("  " + what + " ").put(word, tone_of(margin.room));
 }
 
 Line margins_line(const View& view) {
@@ -112,13 +111,15 @@ Line margins_line(const View& view) {
   }
   const Margins margins = margins_of(view.picture, view.facts);
   if (const auto& tilt = margins.tilt) {
-    put_margin(line, "tilt", *tilt, degrees(tilt->left), "deg", "BEYOND THE LIMIT");
+    put_margin(line, fmt::format("tilt {:.1f} deg", degrees(tilt->left)), *tilt,
+               "BEYOND THE LIMIT");
   }
-  if (const auto gimbal = smallest(margins.gimbal)) {
-    put_margin(line, "gimbals", *gimbal, degrees(gimbal->left), "deg", "IN THE STOP");
+  if (const auto gimbal = worst(margins.gimbal)) {
+    put_margin(line, fmt::format("gimbals {:.1f} deg", degrees(gimbal->left)), *gimbal,
+               "IN THE STOP");
   }
-  if (const auto drive = smallest(margins.drive)) {
-    put_margin(line, "drives", *drive, drive->left, "N m", "SATURATED");
+  if (const auto drive = worst(margins.drive)) {
+    put_margin(line, fmt::format("drives {:.2f} N m", drive->left), *drive, "SATURATED");
   }
   return line;
 }

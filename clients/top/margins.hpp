@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "clients/top/picture.hpp"
 #include "clients/top/rig_facts.hpp"
@@ -26,14 +27,15 @@ struct Margins {
 
 Margins margins_of(const Picture& picture, const RigFacts& facts);
 
-/// The smallest, by what is left of it.
+/// The one with the least room, and of these the one with the least left.
 template <std::size_t N>
-std::optional<Margin> smallest(const std::array<std::optional<Margin>, N>& margins) {
-  std::optional<Margin> least;
+std::optional<Margin> worst(const std::array<std::optional<Margin>, N>& margins) {
+  const auto rank = [](const Margin& m) { return std::pair(-static_cast<int>(m.room), m.left); };
+  std::optional<Margin> found;
   for (const auto& margin : margins) {
-    if (margin && (!least || margin->left < least->left)) least = margin;
+    if (margin && (!found || rank(*margin) < rank(*found))) found = margin;
   }
-  return least;
+  return found;
 }
 
 }  // namespace gyrotwin

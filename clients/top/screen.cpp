@@ -24,15 +24,15 @@ void append(Lines& lines, Lines more) {
   std::move(more.begin(), more.end(), std::back_inserter(lines));
 }
 
-Line title(const View& view, std::initializer_list<std::string> right) {
+/// @param keys stand behind `right` where there is room
+Line title(const View& view, std::string right, std::string_view keys = "") {
   Line line;
   line.put("gyrotwin top  " + view.facts.name, Tone::kTitle);
   line.put("  " + view.facts.reach, Tone::kFaint);
-  for (const std::string& text : right) {
-    if (line.width() + 2 + text.size() > view.columns) continue;
-    return line.tab(view.columns - text.size()).put(text, Tone::kFaint);
-  }
-  return line;
+  if (line.width() + 2 + right.size() + keys.size() <= view.columns) right += keys;
+  const std::size_t rest = view.columns - std::min(view.columns, right.size() + 2);
+  if (line.width() > rest) line.fit(rest, view.glyphs.more());
+  return line.tab(view.columns - std::min(view.columns, right.size())).put(right, Tone::kFaint);
 }
 
 std::string local_time(std::int64_t utc_ns) {
@@ -99,7 +99,7 @@ Lines two_columns(const View& view, std::size_t rows) {
 Lines screen(const Picture& picture, const RigFacts& facts, Size size, Glyphs glyphs) {
   const View view{picture, facts, glyphs, size.columns};
   const std::string time = local_time(picture.utc_ns).substr(11);
-  Lines lines{title(view, {time + "  q quits", time})};
+  Lines lines{title(view, time, "  q quits")};
   append(lines, head_block(view));
   const std::size_t rows = size.rows - std::min(size.rows, lines.size());
   const bool wide = size.columns >= kTwoColumns && rows >= kTwoColumnRows;
@@ -112,7 +112,7 @@ Lines screen(const Picture& picture, const RigFacts& facts, Size size, Glyphs gl
 std::string plain_text(const Picture& picture, const RigFacts& facts, Glyphs glyphs,
                        std::int64_t after) {
   const View view{picture, facts, glyphs, kPlainColumns};
-  Lines lines{title(view, {local_time(picture.utc_ns)})};
+  Lines lines{title(view, local_time(picture.utc_ns))};
   append(lines, head_block(view));
   append(lines, stacked(view, Detail::kShort, kMostActing));
   append(lines, happenings_block(view, after));

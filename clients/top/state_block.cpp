@@ -140,7 +140,7 @@ void gyro_rows(const View& view, Detail detail, const Rows& rows, const state_t&
       const auto& margin = margins.gimbal[j];
       const std::string left =
           margin ? fmt::format(" ({:.1f}){}", degrees(margin->left), mark_of(margin->room)) : "";
-      return fmt::format("{:+6.1f}{}", degrees(state.gimbal_angle_rad[j]), left);
+      return fmt::format("{:+5.1f}{}", degrees(state.gimbal_angle_rad[j]), left);
     };
     table.row(rows, "gimbal deg (left)", gyros, text, tones_of(margins.gimbal));
   }
@@ -163,7 +163,8 @@ void gyro_rows(const View& view, Detail detail, const Rows& rows, const state_t&
       const auto& margin = margins.drive[i];
       const std::string left =
           margin ? fmt::format(" ({:.2f}){}", margin->left, mark_of(margin->room)) : "";
-      return fmt::format("{:+6.3f}{}", state.drive_torque_nm[i], left);
+      const double torque = state.drive_torque_nm[i];
+      return fmt::format("{:+6.{}f}{}", torque, std::abs(torque) < 100.0 ? 3 : 0, left);
     };
     table.row(rows, "drive N m (left)", view.facts.drives, text, tones_of(margins.drive));
   }
@@ -213,7 +214,9 @@ Lines state_block(const View& view, Detail detail) {
   }
   std::string title = view.facts.estimated ? "state, as estimated on board" : "state";
   if (!heard->live()) title += ": STALE, heard " + ago(heard->age_ns) + ", marked ?";
-  title += fmt::format(", bars to +-{:.1f} deg", degrees(view.facts.fall_tilt));
+  if ((heard->message.valid & state_t::VALID_TILT) != 0) {
+    title += fmt::format(", bars to +-{:.1f} deg", degrees(view.facts.fall_tilt));
+  }
   Lines lines{rule(view, {{0, title}})};
   const Rows rows(view, heard->live());
   tilt_rows(view, rows, heard->message, lines);

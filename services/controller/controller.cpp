@@ -8,18 +8,6 @@
 
 namespace gyrotwin {
 
-namespace {
-
-/// Groups of STATE that laws look at. An estimate may lack the others.
-std::int32_t groups_for_laws(const model::Machine& machine) {
-  std::int32_t groups = state_t::VALID_TILT;
-  groups |= state_t::VALID_DISC;
-  groups |= state_t::VALID_GIMBALS;
-  return groups & valid_groups(machine);
-}
-
-}  // namespace
-
 Controller::Controller(const Rig& rig, std::int64_t writer)
     : rig_(rig),
       machine_(rig.build_machine()),

@@ -31,6 +31,13 @@ std::int32_t valid_groups(const model::Machine& machine) noexcept {
          if_any(!machine.drives.empty(), state_t::VALID_DRIVES);
 }
 
+std::int32_t groups_for_laws(const model::Machine& machine) noexcept {
+  std::int32_t looked_at = state_t::VALID_TILT;
+  looked_at |= state_t::VALID_DISC;
+  looked_at |= state_t::VALID_GIMBALS;
+  return looked_at & valid_groups(machine);
+}
+
 void to_wire(const model::Observation& seen, std::int32_t valid, state_t& state) noexcept {
   state.valid = valid;
   copy(seen.tilt, state.tilt_rad, valid & state_t::VALID_TILT);

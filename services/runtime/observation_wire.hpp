@@ -10,6 +10,8 @@ namespace gyrotwin {
 
 /// VALID_* bits of what a machine of this layout can show.
 std::int32_t valid_groups(const model::Machine& machine) noexcept;
+/// Of these, the ones that laws look at; an estimate may lack the others.
+std::int32_t groups_for_laws(const model::Machine& machine) noexcept;
 
 /// Writes the groups that the machine has, zeros into the others.
 void to_wire(const model::Observation& seen, std::int32_t valid, state_t& state) noexcept;
