@@ -107,8 +107,8 @@ struct Rig {
     Imperfection voltage;         ///< [V]
     Imperfection load_cell;       ///< [N]
     static constexpr int kMaxDelay = 8;
-    int delay_ticks = 0;  ///< of all of them
-    int seed = 1;         ///< of noise and biases
+    int delay_ticks = 0;               ///< of all of them
+    int seed = 1;                      ///< of noise and biases
     Eigen::Matrix3d imu_axes() const;  ///< structure <- IMU
   };
   std::optional<Sensors> sensors;  ///< absent: no SENSORS, no estimate

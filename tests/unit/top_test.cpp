@@ -150,11 +150,11 @@ TEST(Screen, MarksWhatIsStale) {
   EXPECT_FALSE(contains(drawn(l, {24, 80}), "?"));
   l.pass(2'500'000'000);
   const std::string text = drawn(l, {24, 80});
-  expect_parts(
-      text, {"owner NOT HEARD  last heard 2.5 s ago, then RUNNING", "last heard: tick 5000",
-             "margins  unknown", "STALE, heard 2.5 s ago", "\n? tilt x", "\n? contact", "|::::::::......]",
-             "controller  NOT HEARD  for 2.5 s; was 4712 on lab, ACTIVE",
-             "controller not heard for 1 s"});
+  expect_parts(text,
+               {"owner NOT HEARD  last heard 2.5 s ago, then RUNNING", "last heard: tick 5000",
+                "margins  unknown", "STALE, heard 2.5 s ago", "\n? tilt x", "\n? contact",
+                "|::::::::......]", "controller  NOT HEARD  for 2.5 s; was 4712 on lab, ACTIVE",
+                "controller not heard for 1 s"});
   for (const char* part : {"fine", "close", "(0.6)", "#", "acting"}) {
     EXPECT_FALSE(contains(text, part)) << part << "\nis in\n" << text;
   }
