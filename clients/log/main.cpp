@@ -9,6 +9,7 @@
 #include "clients/log/recover.hpp"
 #include "clients/log/replay.hpp"
 #include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 
@@ -71,6 +72,10 @@ int run_record(const RigOptions& rig_options, const Options& options) {
 int run_info(const Options& options) {
   Log log(options.file);
   const LogInfo info = survey(log);
+  if (info.messages == 0 && !log.catalog().about() && log.size() > 0) {
+    throw NotDone(options.file + ": no log, or nothing of one is left: not one event in " +
+                  std::to_string(log.size()) + " bytes");
+  }
   const auto text = options.json ? info_json : info_text;
   std::fputs(text(options.file, log, info).c_str(), stdout);
   return kDone;

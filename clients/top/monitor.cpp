@@ -238,15 +238,12 @@ void Monitor::measure(const Moment& now) {
 }
 
 Picture Monitor::picture(const Moment& now) const {
-  const auto aged = [&now](const auto& kept) {
-    return Heard<decltype(kept.message)>{kept.message, now.mono_ns - kept.at_ns};
-  };
   Picture picture;
   picture.utc_ns = now.utc_ns;
-  if (owner_.status) picture.owner = aged(*owner_.status);
-  if (controller_.status) picture.controller = aged(*controller_.status);
-  if (state_) picture.state = aged(*state_);
-  if (truth_) picture.truth = aged(*truth_);
+  if (owner_.status) picture.owner = owner_.status->at(now);
+  if (controller_.status) picture.controller = controller_.status->at(now);
+  if (state_) picture.state = state_->at(now);
+  if (truth_) picture.truth = truth_->at(now);
   picture.latest = latest();
   picture.command = command_;
   picture.bus = bus_;

@@ -34,6 +34,7 @@ class Monitor {
   struct Kept {
     Message message{};
     std::int64_t at_ns = 0;
+    Heard<Message> at(const Moment& now) const { return {message, now.mono_ns - at_ns}; }
   };
   /// A daemon that is followed on its STATUS channel.
   struct Followed {
