@@ -22,8 +22,7 @@ namespace gyrotwin {
 
 namespace {
 
-using std::chrono_literals::operator""ms;
-
+constexpr std::chrono::milliseconds kTurn{50};
 constexpr std::int64_t kSecond = 1'000'000'000;  // [ns]
 /// A buffer below this may overflow on a busy machine [byte, as the kernel counts]: 0.4 s of 20,000
 /// STATEs a second.
@@ -163,7 +162,7 @@ int record(const Rig& rig, const std::string& rig_file, const RecordOptions& opt
   const auto seconds = [&] { return 1e-9 * static_cast<double>(clock.now_ns() - begin); };
   std::int64_t next_tell = begin + kSecond;
   try {
-    for (LogBytes events; spool.take(events, 50ms);) {
+    for (LogBytes events; spool.take(events, kTurn);) {
       series.append(events);
       if (daemon.stopping()) listener.stop();
       if (clock.now_ns() < next_tell) continue;
