@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <string>
 
-#include "clients/common/has_tilt.hpp"
 #include "clients/common/initial.hpp"
 #include "clients/common/tilt.hpp"
 #include "clients/ctl/mode_table.hpp"
@@ -148,7 +147,7 @@ int run(const CLI::App& app, const RigOptions& rig_options, const Options& optio
   }
   const Rig rig = rig_options.load();
   if (chosen.empty()) throw CLI::RequiredError("what to do, e.g. status,");
-  if (options.awaited == "balanced" && !has_tilt(rig.build_machine())) {
+  if (options.awaited == "balanced" && rig.build_machine().layout.tilts() == 0) {
     throw Error("wait balanced: rig " + rig.name +
                 " cannot tilt, so there is no balance to wait for; `wait running` can be had");
   }

@@ -56,7 +56,7 @@ void SampledLoop::schedule(const Scenario& scenario) {
 void SampledLoop::measure(std::int64_t tick, const model::State& state,
                           const model::Input& input) noexcept {
   if (!sensing_) return;
-  sensing_->measure(tick, state, input, sensors_);
+  sensing_->measure(tick, state, input, machine_.truth(state, input), sensors_);
   schedule_.corrupt(tick, sensors_);
 }
 

@@ -121,7 +121,10 @@ class LoopOde : public Ode {
   /// A time inside the coming piece [s].
   void stay_within(double t) { within_ = t; }
   /// What acts over the tick beside the scenario's external loads.
-  void hold(const model::Input& input) { held_ = input; }
+  void hold(const model::Input& input) {
+    input_ = input;
+    held_ = {input.force, input.moment};
+  }
 
   /// What acts at local time t. The last input stays readable.
   void look(double t, const double* y) noexcept {
@@ -138,11 +141,10 @@ class LoopOde : public Ode {
     // A hair inside the piece: a formula that jumps at its end has not jumped yet.
     const double inside = within_ + (origin_ + t - within_) * (1.0 - kInside);
     const Instant now{inside, within_, state};
-    input_ = held_;
     if (scenario_.external.value) {
       const Wrench wrench = scenario_.external.value(now);
-      input_.force += wrench.force;
-      input_.moment += wrench.moment;
+      input_.force = held_.force + wrench.force;
+      input_.moment = held_.moment + wrench.moment;
     }
     if (scenario_.sampled) return;
     if (law_) {
@@ -168,7 +170,7 @@ class LoopOde : public Ode {
   const Law* law_;
   double origin_ = 0.0;
   double within_ = 0.0;
-  model::Input held_;   // over the tick; sampled feedback
+  Wrench held_;         // over the tick; sampled feedback
   model::Input input_;  // of the last evaluation
   bool input_finite_ = true;
 };

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "clients/common/has_tilt.hpp"
 #include "clients/common/tilt.hpp"
 
 namespace gyrotwin {
@@ -25,14 +24,14 @@ std::string print(const char* format, Args... args) {
 }  // namespace
 
 Verdict::Verdict(const Rig& rig, const model::Machine& machine, double duration)
-    : has_tilt_(gyrotwin::has_tilt(machine)),
+    : has_tilt_(machine.layout.tilts() > 0),
       limit_(has_tilt_ ? rig.safety.fall_tilt_rad : 0.0),
       duration_(duration) {}
 
 void Verdict::note(double t, const model::Machine& machine, const model::State& state) noexcept {
   const double before = tilt_;
   tilt_ = machine.tilt(state);
-  const double measure = has_tilt_ ? tilt_ : -machine.truth(state, {}).gimbal_margin;
+  const double measure = has_tilt_ ? tilt_ : -machine.gimbal_margin(state);
   if (!fell_at_ && measure > limit_) {
     const bool crossed = has_tilt_ && before < limit_ && t > t_;
     fell_at_ = crossed ? t_ + (limit_ - before) / (tilt_ - before) * (t - t_) : t;

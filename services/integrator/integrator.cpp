@@ -57,7 +57,7 @@ void Integrator::stand(const model::State& state) noexcept {
 /// What the sensors say at the present tick.
 void Integrator::look() noexcept {
   if (!sensing_) return;
-  sensing_->measure(tick_, plant_.state(), input_, sensors_);
+  sensing_->measure(tick_, plant_.state(), input_, truth_, sensors_);
   schedule_.corrupt(tick_, sensors_);
 }
 

@@ -31,8 +31,8 @@ model::State unpack(const model::Machine& machine, const double* y,
 
 void packed_rates(const model::Machine& machine, const model::State& state,
                   const model::Input& input, double* dy) noexcept {
-  const model::Coordinates acceleration = machine.acceleration(state, input);
-  pack(machine, {state.v, acceleration, machine.rotor_acceleration(state, input)}, dy);
+  const model::RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
+  pack(machine, {state.v, machine.acceleration(state, input, rotor_rate), rotor_rate}, dy);
 }
 
 void MachineOde::rates(double, const double* y, double* dy) noexcept {

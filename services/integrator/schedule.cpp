@@ -20,7 +20,7 @@ constexpr std::int64_t kLastTick = 1'000'000'000'000'000;  // decades, and sums 
 Schedule::Schedule(const Rig& rig, const model::Machine& machine) : rig_(rig), machine_(machine) {
   if (!rig.sensors) return;
   sensors_t healthy{};
-  SimulatedSensors(rig, machine).measure(0, rig.initial_state(machine), {}, healthy);
+  SimulatedSensors(rig, machine).measure(0, rig.initial_state(machine), {}, {}, healthy);
   sensors_ = healthy.valid;
   past_.resize(static_cast<std::size_t>(std::ceil(kLongestDelay / rig.loop.tick_s())) + 1);
 }

@@ -19,9 +19,10 @@ SimulatedSensors::SimulatedSensors(const Rig& rig, const model::Machine& machine
 void SimulatedSensors::reset() noexcept { count_ = 0; }
 
 void SimulatedSensors::measure(std::int64_t tick, const model::State& state,
-                               const model::Input& input, sensors_t& sensors) noexcept {
+                               const model::Input& input, const model::Truth& truth,
+                               sensors_t& sensors) noexcept {
   const auto size = static_cast<std::int64_t>(measured_.size());
-  measured_[count_ % size] = sample(tick, state, input);
+  measured_[count_ % size] = sample(tick, state, input, truth);
   const std::int64_t shown = std::max<std::int64_t>(0, count_ - settings_.delay_ticks);
   ++count_;
 
@@ -46,16 +47,16 @@ double SimulatedSensors::told(double truth, int sensor, const Imperfection& impe
 }
 
 sensors_t SimulatedSensors::sample(std::int64_t tick, const model::State& state,
-                                   const model::Input& input) const noexcept {
+                                   const model::Input& input,
+                                   const model::Truth& truth) const noexcept {
   sensors_t sensors{};
   sensors.valid |= sensors_t::VALID_ESTOP;  // not pressed
   sample_imu(tick, state, input, sensors);
   sample_angles(tick, state, sensors);
-  sample_drives(tick, state, input, sensors);
+  sample_drives(tick, truth, sensors);
   if (machine_.load_cell) {
     sensors.valid |= sensors_t::VALID_LOAD_CELL;
-    const double force = machine_.truth(state, input).load_cell;
-    sensors.load_cell_n = told(force, kLoadCell, settings_.load_cell, tick);
+    sensors.load_cell_n = told(truth.load_cell, kLoadCell, settings_.load_cell, tick);
   }
   return sensors;
 }
@@ -91,17 +92,15 @@ void SimulatedSensors::sample_angles(std::int64_t tick, const model::State& stat
   }
 }
 
-void SimulatedSensors::sample_drives(std::int64_t tick, const model::State& state,
-                                     const model::Input& input, sensors_t& sensors) const noexcept {
+void SimulatedSensors::sample_drives(std::int64_t tick, const model::Truth& truth,
+                                     sensors_t& sensors) const noexcept {
   for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
     const model::Drive& drive = machine_.drives[i];
     if (!drive.motor) continue;
     sensors.valid |= sensors_t::VALID_CURRENTS;
     sensors.valid |= sensors_t::VALID_BUS_VOLTAGE;
     const int index = static_cast<int>(i);
-    const double rate = machine_.drive_rate(index, state);
-    const double torque = input.drive_strength[i] * drive.torque(input.mode, input.drive[i], rate);
-    const double current = torque / (drive.motor->torque_constant * drive.motor->gear_ratio);
+    const double current = truth.drive_torque[i] / (drive.motor->torque_constant * drive.motor->gear_ratio);
     sensors.drive_current_a[i] = told(current, kCurrents + index, settings_.current, tick);
     sensors.bus_voltage_v = told(drive.motor->supply_voltage, kVoltage, settings_.voltage, tick);
   }

@@ -20,8 +20,9 @@ class SimulatedSensors {
   void reset() noexcept;
   /// Everything of `sensors` but header and mac, at `tick` (one call a tick, in order). Until the
   /// delay is over after reset(): what was measured first.
+  /// @param truth of this state and input
   void measure(std::int64_t tick, const model::State& state, const model::Input& input,
-               sensors_t& sensors) noexcept;
+               const model::Truth& truth, sensors_t& sensors) noexcept;
 
  private:
   /// Where the first of each kind stands among the scalar sensors. Sensor i draws its noise from
@@ -39,13 +40,13 @@ class SimulatedSensors {
   };
   double told(double truth, int sensor, const Imperfection& imperfection,
               std::int64_t tick) const noexcept;
-  sensors_t sample(std::int64_t tick, const model::State& state,
-                   const model::Input& input) const noexcept;
+  sensors_t sample(std::int64_t tick, const model::State& state, const model::Input& input,
+                   const model::Truth& truth) const noexcept;
   void sample_imu(std::int64_t tick, const model::State& state, const model::Input& input,
                   sensors_t& sensors) const noexcept;
   void sample_angles(std::int64_t tick, const model::State& state,
                      sensors_t& sensors) const noexcept;
-  void sample_drives(std::int64_t tick, const model::State& state, const model::Input& input,
+  void sample_drives(std::int64_t tick, const model::Truth& truth,
                      sensors_t& sensors) const noexcept;
 
   const model::Machine& machine_;

@@ -52,11 +52,9 @@ void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, Motion& moti
 
 /// q'', and the motion it came from.
 Coordinates accelerate(const Machine& machine, const State& state, const Input& input,
-                       Motion& motion) {
+                       const RotorSpeeds& rotor_rate, Motion& motion) {
   evaluate(machine, state, input, motion);
-  if (machine.rotor_drive) {
-    add_rotor_reactions(machine.tree, machine.rotor_acceleration(state, input), motion);
-  }
+  if (machine.rotor_drive) add_rotor_reactions(machine.tree, rotor_rate, motion);
   return solve(motion.M, motion.f + all_forces(machine, motion, state, input),
                machine.coordinates());
 }
@@ -72,7 +70,8 @@ Coordinates times(const Motion& motion, const Coordinates& v, int n) {
 
 /// (M q'' - f - Q) of the free disc's two tilt coordinates, with the level disc's accelerations.
 std::array<double, 2> holding_moment(const Machine& machine, const State& state,
-                                     const Coordinates& acceleration, const Input& input) {
+                                     const Coordinates& acceleration,
+                                     const RotorSpeeds& rotor_rate, const Input& input) {
   const Machine& free = *machine.unheld;
   const auto lift = [](const Coordinates& x) {
     Coordinates y;
@@ -82,7 +81,7 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   State lifted{lift(state.q), lift(state.v), state.rotor_speed};
   Motion motion;
   evaluate(free, lifted, input, motion);
-  add_rotor_reactions(free.tree, machine.rotor_acceleration(state, input), motion);
+  add_rotor_reactions(free.tree, rotor_rate, motion);
   const Coordinates missing = times(motion, lift(acceleration), free.coordinates()) - motion.f -
                               all_forces(free, motion, lifted, input);
   return {missing[free.layout.disc_tilt[0]], missing[free.layout.disc_tilt[1]]};
@@ -161,9 +160,10 @@ State Machine::state(const std::vector<double>& q, const std::vector<double>& v)
   return state;
 }
 
-Coordinates Machine::acceleration(const State& state, const Input& input) const noexcept {
+Coordinates Machine::acceleration(const State& state, const Input& input,
+                                  const RotorSpeeds& rotor_rate) const noexcept {
   Motion motion;
-  return accelerate(*this, state, input, motion);
+  return accelerate(*this, state, input, rotor_rate, motion);
 }
 
 RotorSpeeds Machine::rotor_acceleration(const State& state, const Input& input) const noexcept {
@@ -186,7 +186,8 @@ RotorSpeeds Machine::rotor_acceleration(const State& state, const Input& input) 
 InertialReading Machine::inertial(const State& state, const Input& input,
                                   const Vector3d& point) const noexcept {
   Motion motion;
-  const Coordinates acceleration = accelerate(*this, state, input, motion);
+  const Coordinates acceleration =
+      accelerate(*this, state, input, rotor_acceleration(state, input), motion);
   const StructurePoint imu = structure_point(*this, motion, point);
   Vector3d a = imu.a0;
   for (int i = 0; i < coordinates(); ++i) a += imu.J[i] * acceleration[i];
@@ -251,8 +252,9 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
   Truth truth;
   Motion motion;
   if (unheld) {
-    const Coordinates acceleration = accelerate(*this, state, input, motion);
-    truth.holding_moment = holding_moment(*this, state, acceleration, input);
+    const RotorSpeeds rotor_rate = rotor_acceleration(state, input);
+    const Coordinates acceleration = accelerate(*this, state, input, rotor_rate, motion);
+    truth.holding_moment = holding_moment(*this, state, acceleration, rotor_rate, input);
   } else {
     evaluate(*this, state, input, motion);
   }
@@ -263,11 +265,7 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
   truth.load_cell = load_cell_force(*this, motion, input);
   if (track) add_contact_forces(*this, motion, truth);
 
-  truth.gimbal_margin = std::numeric_limits<double>::infinity();
-  for (const Stop& stop : stops) {
-    const double q = state.q[stop.coordinate];
-    truth.gimbal_margin = std::min({truth.gimbal_margin, stop.upper - q, q - stop.lower});
-  }
+  truth.gimbal_margin = gimbal_margin(state);
   for (std::size_t i = 0; i < drives.size(); ++i) {
     const double rate = rate_of(*this, motion, drives[i], state);
     const double torque = drives[i].torque(input.mode, input.drive[i], rate);
@@ -277,6 +275,15 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
     truth.drive_margin[i] = input.drive_strength[i] * margin;
   }
   return truth;
+}
+
+double Machine::gimbal_margin(const State& state) const noexcept {
+  double margin = std::numeric_limits<double>::infinity();
+  for (const Stop& stop : stops) {
+    const double q = state.q[stop.coordinate];
+    margin = std::min({margin, stop.upper - q, q - stop.lower});
+  }
+  return margin;
 }
 
 Coordinates Machine::generalised_momentum(const State& state) const noexcept {

@@ -167,6 +167,11 @@ struct Layout {
   bool disc_follows_structure = false;  ///< mount `rigid`: the disc's tilt is the structure's
   int disc = kFixed;
   std::vector<Gimbal> gimbals;
+
+  /// Of the structure: 2, 1 on a line, 0 on a stand.
+  int tilts() const {
+    return 2 - static_cast<int>(std::count(tilt.begin(), tilt.end(), kFixed));
+  }
 };
 
 /// The platform in the words of the wire; groups a machine lacks are 0. Angles and frames:
@@ -221,7 +226,12 @@ struct Machine {
 
   /// q'' [rad/s^2]. Not finite where the mass matrix is singular (|thy| = 90 deg). Does not
   /// allocate.
-  Coordinates acceleration(const State& state, const Input& input) const noexcept;
+  Coordinates acceleration(const State& state, const Input& input) const noexcept {
+    return acceleration(state, input, rotor_acceleration(state, input));
+  }
+  /// The same where rotor_acceleration() is at hand.
+  Coordinates acceleration(const State& state, const Input& input,
+                           const RotorSpeeds& rotor_rate) const noexcept;
   /// n' [rad/s^2] of the rotors relative to their frames; 0 without a rotor_drive.
   RotorSpeeds rotor_acceleration(const State& state, const Input& input) const noexcept;
   /// What an IMU at `point` (structure frame [m]) feels.
@@ -233,6 +243,8 @@ struct Machine {
   /// Inverse of observe(); the observation must come from the same machine.
   State recall(const Observation& observation) const noexcept;
   Truth truth(const State& state, const Input& input) const noexcept;
+  /// To the closest stop of a gimbal, < 0 in it [rad].
+  double gimbal_margin(const State& state) const noexcept;
   /// dL/dq' = M v + rotor momenta, of the machine without added masses on a support at rest:
   /// conserved for coordinates that nothing acts on [N m s].
   Coordinates generalised_momentum(const State& state) const noexcept;

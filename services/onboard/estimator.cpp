@@ -39,17 +39,13 @@ std::array<double, 2> tilt_rates(const Vector3d& omega, const std::array<double,
   return {omega.x() * cy + omega.z() * sy, omega.y() - yaw_rate * sx};
 }
 
-int tilts_of(const model::Layout& layout) {
-  return 2 - static_cast<int>(std::count(layout.tilt.begin(), layout.tilt.end(), model::kFixed));
-}
-
 }  // namespace
 
 OnboardEstimator::OnboardEstimator(const Rig& rig, const model::Machine& machine)
     : machine_(machine),
       tick_s_(rig.loop.tick_s()),
       coast_ticks_(static_cast<int>(std::ceil(kCoast / tick_s_))),
-      tilts_(tilts_of(machine.layout)),
+      tilts_(machine.layout.tilts()),
       from_imu_(rig.sensors->imu_axes()),
       imu_position_(rig.sensors->imu_position),
       tilt_filter_(rig.estimator.tilt, rig.estimator.gyro_bias, tick_s_),

@@ -22,8 +22,7 @@ void copy(const double (&from)[N], std::array<double, N>& to) {
 std::int32_t valid_groups(const model::Machine& machine) noexcept {
   const model::Layout& layout = machine.layout;
   const auto if_any = [](bool has, std::int32_t group) { return has ? group : 0; };
-  const bool tilts = layout.tilt[0] != model::kFixed || layout.tilt[1] != model::kFixed;
-  return if_any(tilts, state_t::VALID_TILT) |
+  return if_any(layout.tilts() > 0, state_t::VALID_TILT) |
          if_any(machine.disc_body != model::kFixed, state_t::VALID_DISC_TILT) |
          if_any(layout.disc != model::kFixed, state_t::VALID_DISC) |
          if_any(!layout.gimbals.empty(), state_t::VALID_GIMBALS) |

@@ -42,7 +42,7 @@ struct EstimatedLoop {
   /// One tick: sensors, estimate, law, plant. @return false when the solver failed
   bool tick() {
     truth = machine.observe(plant.state());
-    simulated.measure(ticks, plant.state(), input, sensors);
+    simulated.measure(ticks, plant.state(), input, machine.truth(plant.state(), input), sensors);
     corrupt(sensors);
     estimator.step(sensors);
     const bool by_estimate = rig.loop.state == StateSource::kEstimate;

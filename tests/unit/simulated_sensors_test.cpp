@@ -28,15 +28,16 @@ struct Bench {
     sensors_t sensors{};
     std::vector<double> values;
     for (int tick = 0; tick < ticks; ++tick) {
-      simulated.measure(tick, state, input, sensors);
+      simulated.measure(tick, state, input, truth(), sensors);
       values.push_back(pick(sensors));
     }
     return values;
   }
+  model::Truth truth() const { return machine.truth(state, input); }
   sensors_t first() const {
     SimulatedSensors simulated(rig, machine);
     sensors_t sensors{};
-    simulated.measure(0, state, input, sensors);
+    simulated.measure(0, state, input, truth(), sensors);
     return sensors;
   }
 
@@ -189,7 +190,7 @@ TEST(SimulatedSensors, DelayShowsWhatWasMeasuredThen) {
   for (int run = 0; run < 2; ++run) {
     for (int tick = 0; tick < 30; ++tick) {
       bench.state.q[2] = 100.0 * run + tick;
-      simulated.measure(tick, bench.state, bench.input, sensors);
+      simulated.measure(tick, bench.state, bench.input, bench.truth(), sensors);
       EXPECT_EQ(sensors.disc_angle_rad, 100.0 * run + std::max(0, tick - 3));
     }
     simulated.reset();
@@ -204,7 +205,7 @@ TEST(SimulatedSensors, NoiseIsTheSameInEveryRun) {
 
   SimulatedSensors simulated(bench.rig, bench.machine);
   sensors_t sensors{};
-  simulated.measure(57, bench.state, bench.input, sensors);  // whatever came before
+  simulated.measure(57, bench.state, bench.input, bench.truth(), sensors);  // whatever came before
   EXPECT_EQ(gyro_x(sensors), once[57]);
 
   bench.rig.sensors->seed += 1;
@@ -219,7 +220,7 @@ TEST(SimulatedSensors, LeaveHeaderAndMacAndTheHeapAlone) {
   sensors.mac[5] = 9;
   const AllocationCounter allocations;
   for (int tick = 0; tick < 10; ++tick) {
-    simulated.measure(tick, bench.state, bench.input, sensors);
+    simulated.measure(tick, bench.state, bench.input, bench.truth(), sensors);
   }
   EXPECT_EQ(allocations.count(), 0);
   EXPECT_EQ(sensors.header.sequence, 17);
