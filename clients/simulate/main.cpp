@@ -2,11 +2,11 @@
 #include <csignal>
 
 #include "clients/common/initial.hpp"
+#include "clients/common/mount.hpp"
 #include "clients/common/scenario.hpp"
 #include "clients/common/tilt.hpp"
 #include "clients/simulate/expression.hpp"
 #include "clients/simulate/inputs.hpp"
-#include "clients/simulate/mount.hpp"
 #include "clients/simulate/output.hpp"
 #include "clients/simulate/simulation.hpp"
 #include "services/runtime/cli.hpp"

@@ -100,7 +100,8 @@ void SimulatedSensors::sample_drives(std::int64_t tick, const model::Truth& trut
     sensors.valid |= sensors_t::VALID_CURRENTS;
     sensors.valid |= sensors_t::VALID_BUS_VOLTAGE;
     const int index = static_cast<int>(i);
-    const double current = truth.drive_torque[i] / (drive.motor->torque_constant * drive.motor->gear_ratio);
+    const double current =
+        truth.drive_torque[i] / (drive.motor->torque_constant * drive.motor->gear_ratio);
     sensors.drive_current_a[i] = told(current, kCurrents + index, settings_.current, tick);
     sensors.bus_voltage_v = told(drive.motor->supply_voltage, kVoltage, settings_.voltage, tick);
   }

@@ -70,8 +70,8 @@ Coordinates times(const Motion& motion, const Coordinates& v, int n) {
 
 /// (M q'' - f - Q) of the free disc's two tilt coordinates, with the level disc's accelerations.
 std::array<double, 2> holding_moment(const Machine& machine, const State& state,
-                                     const Coordinates& acceleration,
-                                     const RotorSpeeds& rotor_rate, const Input& input) {
+                                     const Coordinates& acceleration, const RotorSpeeds& rotor_rate,
+                                     const Input& input) {
   const Machine& free = *machine.unheld;
   const auto lift = [](const Coordinates& x) {
     Coordinates y;

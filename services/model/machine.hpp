@@ -169,9 +169,7 @@ struct Layout {
   std::vector<Gimbal> gimbals;
 
   /// Of the structure: 2, 1 on a line, 0 on a stand.
-  int tilts() const {
-    return 2 - static_cast<int>(std::count(tilt.begin(), tilt.end(), kFixed));
-  }
+  int tilts() const { return 2 - static_cast<int>(std::count(tilt.begin(), tilt.end(), kFixed)); }
 };
 
 /// The platform in the words of the wire; groups a machine lacks are 0. Angles and frames:

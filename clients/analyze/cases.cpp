@@ -1,0 +1,160 @@
+#include "clients/analyze/cases.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+#include "clients/common/event.hpp"
+#include "clients/common/tilt.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kNoGrowth = 1e-4;  // a growth below it doubles in two hours [1/s]
+constexpr double kPushAt = 0.1;     // [s]
+constexpr double kSurely = 3.0;     // e-foldings that a growing run would have shown
+constexpr double kLongest = 5.0;    // a run is drawn out at most to so many durations
+constexpr double kStayed = 0.5;     // a tilt at the end of that share of the largest stayed
+
+Trial undisturbed_run(const Rig& rig, const model::Machine& machine, double duration) {
+  return run_trial(rig, machine, live_scenario(rig, machine, duration));
+}
+
+Trial pushed_run(const Rig& rig, const model::Machine& machine, double duration) {
+  AskedEvent push;
+  push.kind = event_kind("impulse");
+  request_t request = request_of(push, rig, rig.loop.tick_ns());
+  request.start_tick = std::max(std::llround(kPushAt / rig.loop.tick_s()), 1LL);
+  Scenario scenario = live_scenario(rig, machine, duration);
+  scenario.events = {{request, "reference push"}};
+  return run_trial(rig, machine, scenario);
+}
+
+/// Growth of small deviations, where that is known for long [1/s].
+std::optional<double> growth_of(const Case& seen) {
+  if (!seen.linear || seen.linear->modes.kink || seen.linear->steady.coasts) return std::nullopt;
+  return seen.linear->modes.growth;
+}
+
+/// When a slowly growing tilt passes the fall limit [s].
+double fall_expected(const Rig& rig, const Trial& trial, double growth) {
+  const double now = std::max(trial.end_tilt, 1e-6);
+  return trial.outcome.t + std::log(rig.safety.fall_tilt_rad / now) / growth;
+}
+
+std::string seconds(double t) {
+  if (t < 100.0) return fmt::format("{:.3g} s", t);
+  return t < 6000.0 ? fmt::format("{:.0f} min", t / 60.0) : fmt::format("{:.0f} h", t / 3600.0);
+}
+
+std::string how_it_ended(const Trial& trial) {
+  return fmt::format("tilt at most {:.3g} deg, {:.3g} deg after {:.3g} s",
+                     degrees(trial.largest_tilt), degrees(trial.end_tilt), trial.outcome.t);
+}
+
+void judge_without_tilt(Case& seen) {
+  const Trial& trial = seen.undisturbed;
+  const bool pushed_off = seen.pushed && !seen.pushed->stood();
+  if (!trial.stood()) {
+    seen.standing = Standing::kFalls;
+    seen.sentence = fmt::format("falls: a gimbal meets its stop after {:.3g} s",
+                                trial.outcome.verdict.fell_at().value_or(trial.outcome.t));
+    return;
+  }
+  const bool sinks = trial.outcome.verdict.growing();
+  seen.standing = pushed_off || sinks ? Standing::kDoubtful : Standing::kStands;
+  seen.sentence =
+      fmt::format("{}: {:.3g} deg from a stop at the closest{}", sinks ? "stands so far" : "stands",
+                  degrees(trial.least_gimbal_margin), sinks ? ", and still closing in" : "");
+}
+
+void judge(const Rig& rig, Case& seen) {
+  const Trial& trial = seen.undisturbed;
+  if (!trial.outcome.verdict.has_tilt()) return judge_without_tilt(seen);
+  if (!trial.stood()) {
+    seen.standing = Standing::kFalls;
+    seen.sentence = fmt::format("falls after {:.3g} s",
+                                trial.outcome.verdict.fell_at().value_or(trial.outcome.t));
+    return;
+  }
+  const std::optional<double> growth = growth_of(seen);
+  const bool grows = growth && *growth > kNoGrowth;
+  const bool seen_growing = trial.outcome.verdict.growing();
+  if ((grows && (seen_growing || *growth * trial.outcome.t < kSurely)) ||
+      (!growth && seen_growing)) {
+    seen.standing = Standing::kDoubtful;
+    seen.sentence = "stands so far: " + how_it_ended(trial) + ", and growing";
+    if (grows) {
+      seen.sentence += fmt::format(" by {:.3g} 1/s: it doubles in {} and falls after about {}",
+                                   *growth, seconds(std::numbers::ln2 / *growth),
+                                   seconds(fall_expected(rig, trial, *growth)));
+    }
+    return;
+  }
+  if (seen.pushed && !seen.pushed->stood()) {
+    seen.standing = Standing::kDoubtful;
+    seen.sentence = fmt::format(
+        "stands, but falls {:.3g} s after its reference push of {:g} N m s",
+        seen.pushed->outcome.verdict.fell_at().value_or(seen.pushed->outcome.t) - kPushAt,
+        rig.reference_impulse_nms);
+    return;
+  }
+  const bool stayed = trial.end_tilt > kStayed * trial.largest_tilt;
+  const bool returns = growth && *growth < -kNoGrowth;
+  seen.standing = stayed && !returns ? Standing::kNeutral : Standing::kStands;
+  seen.sentence =
+      (seen.standing == Standing::kNeutral ? "stays up without coming back: " : "stands: ") +
+      how_it_ended(trial);
+  if (grows) {
+    seen.sentence += "; upright itself is unstable, it keeps moving about it";
+  }
+}
+
+}  // namespace
+
+std::string word_for(Standing standing) {
+  switch (standing) {
+    case Standing::kStands:
+      return "stands";
+    case Standing::kNeutral:
+      return "neutral";
+    case Standing::kDoubtful:
+      return "doubtful";
+    case Standing::kFalls:
+      return "falls";
+  }
+  return "";
+}
+
+Case run_case(const Rig& rig, std::string key, std::string name, double duration) {
+  const model::Machine machine = rig.build_machine();
+  Case seen;
+  seen.key = std::move(key);
+  seen.name = std::move(name);
+  seen.linear = linear_model(rig);
+  seen.undisturbed = undisturbed_run(rig, machine, duration);
+  const std::optional<double> growth = growth_of(seen);
+  if (seen.undisturbed.stood() && growth && *growth > kNoGrowth) {
+    const double expected = 1.2 * fall_expected(rig, seen.undisturbed, *growth);
+    if (expected > duration && expected < kLongest * duration) {
+      seen.undisturbed = undisturbed_run(rig, machine, expected);
+    }
+  }
+  if (seen.undisturbed.stood() && rig.reference_impulse_nms > 0.0) {
+    seen.pushed = pushed_run(rig, machine, duration / 3.0);
+  }
+  judge(rig, seen);
+  return seen;
+}
+
+Rig left_alone(Rig rig) {
+  rig.controller.law = LawKind::kNone;
+  return rig;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,42 @@
+// Ways to run a rig, simulated and linearised.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "clients/analyze/modes.hpp"
+#include "clients/simulate/trial.hpp"
+#include "services/runtime/rig.hpp"
+
+namespace gyrotwin {
+
+/// How a rig fares.
+enum class Standing {
+  kStands,    ///< comes back from small deviations and from its reference push
+  kNeutral,   ///< neither comes back nor departs
+  kDoubtful,  ///< stands, but departs slowly, or falls when it gets its reference push
+  kFalls      ///< from its initial state; without a tilt: a gimbal meets its stop
+};
+
+/// "stands", "neutral", "doubtful", "falls".
+std::string word_for(Standing standing);
+
+/// One way to run the rig, simulated and linearised.
+struct Case {
+  std::string key;   ///< "as_filed", "left_alone", "disc_free"
+  std::string name;  ///< "under its law momentum_manager"
+  Standing standing = Standing::kFalls;
+  std::string sentence;         ///< "falls after 0.9 s"
+  Trial undisturbed;            ///< from the initial state
+  std::optional<Trial> pushed;  ///< with the reference push; absent: there is none, or it fell
+  std::optional<LinearModel> linear;
+};
+
+/// Runs the rig as it is, undisturbed for `duration` [s] or, where it departs slowly, longer, and
+/// with its reference push for a third of that.
+Case run_case(const Rig& rig, std::string key, std::string name, double duration);
+
+/// The rig with its drives at rest.
+Rig left_alone(Rig rig);
+
+}  // namespace gyrotwin

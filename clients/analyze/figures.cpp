@@ -1,0 +1,206 @@
+#include "clients/analyze/figures.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <thread>
+#include <variant>
+
+#include "clients/analyze/motions.hpp"
+#include "clients/plot/chart.hpp"
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kLocusSteps = 60;
+constexpr int kMapCells = 28;
+constexpr double kZoom =
+    20.0;  // fast modes this much faster than slow ones get a chart of their own
+
+/// body(i) for i < count, shared by threads.
+void for_each(int count, int threads, const std::function<void(int)>& body) {
+  std::atomic<int> next = 0;
+  const auto work = [&] {
+    for (int i = next++; i < count; i = next++) body(i);
+  };
+  std::vector<std::jthread> others;
+  for (int i = 1; i < threads; ++i) others.emplace_back(work);
+  work();
+}
+
+double between(const KeyRange& range, int i, int steps) {
+  return range.low + (range.high - range.low) * i / (steps - 1);
+}
+
+std::string setting(const std::string& key, double value) {
+  return fmt::format("{}={:.17g}", key, value);
+}
+
+/// Eigenvalues of that member; empty where it has none.
+Eigen::VectorXcd eigenvalues_of(const RigFamily& family, const std::vector<std::string>& keys) {
+  try {
+    const std::optional<LinearModel> linear = linear_model(family(keys));
+    return linear ? linear->modes.eigenvalues : Eigen::VectorXcd{};
+  } catch (const Error&) {
+    return {};  // such a rig cannot be
+  }
+}
+
+/// Points of the locus in thirds of its range, so that its direction shows.
+struct Locus {
+  std::vector<Curve> curves;
+  double slowest = 0.0, fastest = 0.0;  // magnitudes of what moves [1/s]
+};
+
+Locus locus_of(const std::vector<Eigen::VectorXcd>& found, const KeyRange& range) {
+  Locus locus;
+  const std::array<int, 4> colours{0, 2, 4, 1};
+  std::vector<double> sizes;
+  for (int part = 0; part < 4; ++part) {
+    const int begin = part * kLocusSteps / 4;
+    const int end = (part + 1) * kLocusSteps / 4;
+    Curve curve;
+    curve.name = fmt::format("{:.3g} to {:.3g}", between(range, begin, kLocusSteps),
+                             between(range, end - 1, kLocusSteps));
+    curve.style = Curve::Style::kPoints;
+    curve.colour = colours[static_cast<std::size_t>(part)];
+    for (int i = begin; i < end; ++i) {
+      for (const std::complex<double>& rate : found[static_cast<std::size_t>(i)]) {
+        curve.x.push_back(rate.real());
+        curve.y.push_back(rate.imag());
+        if (std::abs(rate) > 1e-6) sizes.push_back(std::abs(rate));
+      }
+    }
+    locus.curves.push_back(curve);
+  }
+  if (sizes.empty()) return locus;
+  std::ranges::sort(sizes);
+  locus.slowest = sizes[sizes.size() / 4];
+  locus.fastest = sizes.back();
+  return locus;
+}
+
+void add_locus(const RigFamily& family, const KeyRange& range, int threads,
+               std::vector<Figure>& all) {
+  std::vector<Eigen::VectorXcd> found(kLocusSteps);
+  for_each(kLocusSteps, threads, [&](int i) {
+    found[static_cast<std::size_t>(i)] =
+        eigenvalues_of(family, {setting(range.key, between(range, i, kLocusSteps))});
+  });
+  const Locus locus = locus_of(found, range);
+  Chart chart{"Root locus over " + range.key,
+              {"real part: growth [1/s]"},
+              {"imaginary part: swing [rad/s]"},
+              locus.curves,
+              {{Rule::Direction::kVertical, 0.0, "grows to the right"}}};
+  all.push_back(
+      {svg(chart), "Eigenvalues of the closed loop as it is sampled, for values of " + range.key +
+                       " from blue to vermilion. A point right of the dotted line is a deviation "
+                       "that grows; its distance to the left is how fast one dies out."});
+  if (locus.fastest < kZoom * std::max(locus.slowest, 1e-3)) return;
+  const double reach = 4.0 * locus.slowest;
+  chart.title += ", slow part";
+  chart.x.low = -reach;
+  chart.x.high = reach;
+  chart.y.low = -reach;
+  chart.y.high = reach;
+  all.push_back({svg(chart), "The same, close to the origin: the slow motions decide."});
+}
+
+void add_map(const RigFamily& family, const Rig& rig, const std::pair<KeyRange, KeyRange>& keys,
+             int threads, std::vector<Figure>& all) {
+  const auto& [across, up] = keys;
+  CellMap map;
+  map.title = "Growth rate over two parameters";
+  map.x = {across.key};
+  map.y = {up.key};
+  map.value_label = "growth [1/s]";
+  for (int i = 0; i < kMapCells; ++i) {
+    map.xs.push_back(between(across, i, kMapCells));
+    map.ys.push_back(between(up, i, kMapCells));
+  }
+  map.values.assign(static_cast<std::size_t>(kMapCells) * kMapCells, kNaN);
+  for_each(kMapCells * kMapCells, threads, [&](int cell) {
+    const double x = map.xs[static_cast<std::size_t>(cell % kMapCells)];
+    const double y = map.ys[static_cast<std::size_t>(cell / kMapCells)];
+    const Eigen::VectorXcd rates =
+        eigenvalues_of(family, {setting(across.key, x), setting(up.key, y)});
+    if (rates.size() > 0) map.values[static_cast<std::size_t>(cell)] = rates[0].real();
+  });
+  all.push_back({svg(map), "The fastest growth of a small deviation of " + rig.name +
+                               ": blue dies out and stands, vermilion grows and falls; empty: no "
+                               "such rig, or none that moves steadily."});
+}
+
+const char* parse_number(const char* begin, const char* end, double& value) {
+  const auto [after, error] = std::from_chars(begin, end, value);
+  return error == std::errc{} && std::isfinite(value) ? after : nullptr;
+}
+
+}  // namespace
+
+KeyRange parse_range(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  KeyRange range{text.substr(0, equals), 0.0, 0.0};
+  const char* at =
+      text.data() + std::min(text.size(), equals == std::string::npos ? text.size() : equals + 1);
+  const char* end = text.data() + text.size();
+  at = parse_number(at, end, range.low);
+  if (at != nullptr && at != end && *at == ':') at = parse_number(at + 1, end, range.high);
+  if (at != end || !(range.low < range.high) || range.key.empty()) {
+    throw Error("`" + text +
+                "` is no range; expected KEY=LOW:HIGH with LOW below HIGH, such as "
+                "gyros.rotor_speed_rad_s=200:1800");
+  }
+  return range;
+}
+
+FigureKeys default_keys(const Rig& rig) {
+  const auto around = [](const char* key, double value, double low, double high) {
+    return KeyRange{key, low * value, high * value};
+  };
+  FigureKeys keys;
+  if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
+    const KeyRange rotors =
+        around("gyros.rotor_speed_rad_s", umbrella->gyros.rotor_speed, 0.1, 1.6);
+    keys.locus = rotors;
+    keys.map = {rotors,
+                rig.controller.disc_speed
+                    ? around("controller.disc_speed_rad_s", *rig.controller.disc_speed, 0.1, 2.6)
+                    : around("structure.cm_height_m", umbrella->structure.cm_height, 0.5, 1.6)};
+  } else if (const auto* gimballed = std::get_if<model::GimballedParameters>(&rig.machine)) {
+    const KeyRange rotors =
+        around("gyros.rotor_speed_rad_s", gimballed->gyros.rotor_speed, 0.05, 1.6);
+    keys.locus = rotors;
+    keys.map = {rotors, around("structure.mass_kg", gimballed->structure.mass, 0.7, 1.5)};
+  }
+  return keys;
+}
+
+std::vector<Figure> figures_of(const Rig& rig, const Analysis& analysis, const RigFamily& family,
+                               const FigureKeys& keys, int threads) {
+  std::vector<Figure> all;
+  for (const auto& [chart, caption] : response_charts(rig, analysis)) {
+    all.push_back({svg(chart), caption});
+  }
+  if (const auto portrait = phase_portrait(rig, threads)) {
+    all.push_back({svg(portrait->chart), portrait->caption});
+  }
+  if (const auto potential = amended_potential(rig)) {
+    all.push_back({svg(potential->chart), potential->caption});
+  }
+  if (analysis.as_filed().linear) {
+    if (keys.locus) add_locus(family, *keys.locus, threads, all);
+    if (keys.map) add_map(family, rig, *keys.map, threads, all);
+  }
+  return all;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,112 @@
+// gyrotwin-analyze: does a rig stand, by how much, and why.
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "clients/analyze/analysis.hpp"
+#include "clients/analyze/figures.hpp"
+#include "clients/analyze/report.hpp"
+#include "clients/analyze/words.hpp"
+#include "clients/common/mount.hpp"
+#include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
+#include "services/runtime/machine_reader.hpp"
+#include "services/runtime/rig_reader.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+struct Options {
+  std::string law, mount, track;
+  double duration = 60.0;
+  int threads = 0;
+  bool json = false;
+  std::string report, locus;
+  std::vector<std::string> map;
+};
+
+template <class Words>
+std::vector<std::string> names_of(const Words& words) {
+  std::vector<std::string> names;
+  for (const auto& word : words) names.emplace_back(word.name);
+  return names;
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
+      ->check(one_of(names_of(kLawWords)))
+      ->type_name("NAME");
+  app.add_option("--mount", options.mount,
+                 "How the disc sits on the structure (umbrella platforms)")
+      ->check(one_of(names_of(kMountWords)));
+  app.add_option("--track", options.track, "What the outer axles ride on (umbrella platforms)")
+      ->check(one_of(names_of(kTrackWords)));
+  app.add_option("--duration", options.duration,
+                 "How long undisturbed runs last [s]; pushes and limits a third of it")
+      ->check(finite_within(1.0, 1e5))
+      ->capture_default_str()
+      ->type_name("S");
+  app.add_option("--threads", options.threads, "How many share the work; default: all processors")
+      ->check(CLI::Range(1, 256))
+      ->type_name("N");
+  app.add_flag("--json", options.json, "As one JSON object, every digit");
+  app.add_option("--report", options.report, "Also as one HTML page with pictures")
+      ->type_name("FILE.html");
+  app.add_option("--locus", options.locus,
+                 "Rig key of the report's root locus; default: rotor speed")
+      ->type_name("KEY=LOW:HIGH");
+  app.add_option("--map", options.map, "Two rig keys of the report's stability map")
+      ->expected(2)
+      ->type_name("KEY=LOW:HIGH");
+}
+
+FigureKeys keys_for(const Rig& rig, const Options& options) {
+  FigureKeys keys = default_keys(rig);
+  if (!options.locus.empty()) keys.locus = parse_range(options.locus);
+  if (!options.map.empty()) keys.map = {parse_range(options.map[0]), parse_range(options.map[1])};
+  return keys;
+}
+
+void write_file(const std::string& name, const std::string& text) {
+  std::ofstream file(name, std::ios::binary);
+  file << text << std::flush;
+  if (!file) throw Error(name + ": cannot be written; give a file in a folder that exists");
+}
+
+int run(RigOptions& rig_options, const Options& options) {
+  choose_mount(rig_options, options.mount, options.track);
+  if (!options.law.empty()) rig_options.override_key("controller.law=" + options.law);
+  const Rig rig = rig_options.load();
+  const RigFamily family = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> overrides = rig_options.overrides();
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    return load_rig(rig_options.name(), overrides);
+  };
+  const FigureKeys keys = keys_for(rig, options);
+  const int processors = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
+  const int threads = options.threads > 0 ? options.threads : processors;
+  const Analysis analysis = analyse(rig, options.duration, threads);
+  if (!options.report.empty()) {
+    write_file(options.report,
+               report_html(rig, analysis, figures_of(rig, analysis, family, keys, threads)));
+  }
+  const std::string text =
+      options.json ? json_of(rig, analysis).dump(1) + "\n" : text_of(rig, analysis);
+  std::fputs(text.c_str(), stdout);
+  return kDone;
+}
+
+}  // namespace
+
+}  // namespace gyrotwin
+
+int main(int argc, char** argv) {
+  CLI::App app("Says whether a rig stands, by how much, and why.", "gyrotwin-analyze");
+  gyrotwin::RigOptions rig_options(app);
+  gyrotwin::Options options;
+  gyrotwin::add_options(app, options);
+  return gyrotwin::run_program(argc, argv, app,
+                               [&] { return gyrotwin::run(rig_options, options); });
+}

@@ -1,0 +1,323 @@
+#include "clients/analyze/motions.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <future>
+#include <variant>
+
+#include "clients/common/event.hpp"
+#include "clients/common/tilt.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr double kPushAt = 0.5;        // [s]
+constexpr int kSamples = 900;          // of a motion
+constexpr int kStarts = 12;            // of a ring of the portrait
+constexpr double kPortraitTime = 4.0;  // [s]
+
+using Columns = std::vector<std::vector<double>>;
+using Look = std::function<std::vector<double>(const Sample&)>;
+
+/// Some quantities of a run, sampled until its end or until it has lain down.
+class Recording : public Spectator {
+ public:
+  Recording(const model::Machine& machine, double fall_tilt, Look look)
+      : machine_(machine), gone_(std::min(1.3 * fall_tilt, 1.4)), look_(std::move(look)) {}
+  void sample(const Sample& sample) override {
+    const std::vector<double> seen = look_(sample);
+    columns.resize(seen.size());
+    for (std::size_t i = 0; i < seen.size(); ++i) columns[i].push_back(seen[i]);
+    lies_ = lies_ || machine_.tilt(sample.state) > gone_;
+  }
+  bool go_on(double /*t*/) override { return !lies_; }
+  Columns columns;
+
+ private:
+  const model::Machine& machine_;
+  double gone_;
+  Look look_;
+  bool lies_ = false;
+};
+
+Columns record(const Rig& rig, const model::Machine& machine, Scenario scenario, const Look& look) {
+  const double tick = rig.loop.tick_s();
+  const double wanted = scenario.duration / kSamples;
+  const double sample = std::max(1.0, std::round(wanted / tick)) * tick;
+  scenario.duration = std::max(1.0, std::round(scenario.duration / sample)) * sample;
+  scenario.sample = sample;
+  Recording recording(machine, rig.safety.fall_tilt_rad, look);
+  simulate(rig, machine, scenario, recording);
+  return recording.columns;
+}
+
+Scenario push_scenario(const Rig& rig, const model::Machine& machine, double duration) {
+  Scenario scenario = live_scenario(rig, machine, duration);
+  if (rig.reference_impulse_nms == 0.0) return scenario;
+  AskedEvent push;
+  push.kind = event_kind("impulse");
+  request_t request = request_of(push, rig, rig.loop.tick_ns());
+  request.start_tick = std::max(std::llround(kPushAt / rig.loop.tick_s()), 1LL);
+  scenario.events = {{request, "reference push"}};
+  return scenario;
+}
+
+/// Long enough to see the slow motion come to rest.
+double response_time(const Analysis& analysis) {
+  const auto& linear = analysis.as_filed().linear;
+  if (!linear || linear->modes.growth >= 0.0) return 6.0;
+  return std::clamp(-5.0 / linear->modes.growth, 4.0, 20.0);
+}
+
+/// t, roll and pitch [deg], disc speed [rad/s], first two gimbals [deg], first two torques [N m].
+Columns response(const Rig& rig, double duration) {
+  const model::Machine machine = rig.build_machine();
+  const Look look = [&](const Sample& sample) -> std::vector<double> {
+    const model::Observation seen = machine.observe(sample.state);
+    const model::Truth truth = machine.truth(sample.state, sample.input);
+    const std::size_t other = machine.layout.gimbals.size() > 2 ? 2 : 1;
+    return {sample.t,
+            degrees(seen.tilt[0]),
+            degrees(seen.tilt[1]),
+            seen.disc_rate,
+            degrees(seen.gimbal_angle[0]),
+            degrees(seen.gimbal_angle[other]),
+            truth.drive_torque[0],
+            truth.drive_torque[1]};
+  };
+  return record(rig, machine, push_scenario(rig, machine, duration), look);
+}
+
+Curve curve(std::string name, const Columns& columns, std::size_t y,
+            Curve::Style style = Curve::Style::kLine, std::optional<int> colour = {}) {
+  if (columns.empty()) return {std::move(name), {}, {}, style, colour};
+  return {std::move(name), columns[0], columns[y], style, colour};
+}
+
+Chart over_time(const std::string& title, double duration, const std::string& quantity) {
+  Chart chart;
+  chart.title = title;
+  chart.x = {"time [s]", 0.0, duration};
+  chart.y.label = quantity;
+  return chart;
+}
+
+/// One start of the portrait: where it goes, and whether it stands.
+struct Path {
+  std::vector<double> tilt, rate;  // [deg], [deg/s]
+  bool falls = false;
+};
+
+Path path_from(const Rig& rig, const model::Machine& machine, double tilt, double rate) {
+  Scenario scenario = live_scenario(rig, machine, kPortraitTime);
+  const auto set = [&](int coordinate, double q, double v) {
+    if (coordinate == model::kFixed) return;
+    scenario.start.q[coordinate] = q;
+    scenario.start.v[coordinate] = v;
+  };
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const bool roll = axis == 0;
+    set(machine.layout.tilt[axis], roll ? tilt : 0.0, roll ? rate : 0.0);
+    set(machine.layout.disc_tilt[axis], roll ? tilt : 0.0, roll ? rate : 0.0);
+  }
+  const int roll = machine.layout.tilt[0];
+  const Columns seen =
+      record(rig, machine, scenario, [&](const Sample& sample) -> std::vector<double> {
+        return {degrees(sample.state.q[roll]), degrees(sample.state.v[roll]),
+                machine.tilt(sample.state)};
+      });
+  const double most = *std::ranges::max_element(seen[2]);
+  return {seen[0], seen[1], most > rig.safety.fall_tilt_rad};
+}
+
+double toppling_rate(const Rig& rig) {
+  if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
+    const auto r = model::reduce(*umbrella);
+    return std::sqrt(r.U / r.A);
+  }
+  const auto r = model::reduce(std::get<model::GimballedParameters>(rig.machine));
+  return std::sqrt(r.U / r.A);
+}
+
+/// V_eff [J] over the tilt, zero upright.
+struct Potential {
+  std::string name;
+  std::function<double(double)> value;
+};
+
+std::vector<Potential> potentials_of(const Rig& rig) {
+  std::vector<Potential> all;
+  if (const auto* p = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
+    const auto r = model::reduce(*p);
+    const double tg0 = p->gyros.ring_elevation;
+    const double working = r.C * rig.controller.disc_speed.value_or(1.0);
+    const auto with = [=](double momentum) {
+      return [=](double tilt) {
+        const double turned = r.Nh * (std::sin(tg0 + r.k * std::abs(tilt)) - std::sin(tg0));
+        const double left = momentum - turned;
+        return (left * left - momentum * momentum) / (2.0 * r.C) + r.U * (std::cos(tilt) - 1.0);
+      };
+    };
+    all.push_back({"weight alone", [=](double tilt) { return r.U * (std::cos(tilt) - 1.0); }});
+    all.push_back({"disc at rest upright, p = 0", with(0.0)});
+    all.push_back(
+        {fmt::format("disc pressing the axles down, p = {:.2g}", -working), with(-working)});
+    all.push_back({fmt::format("disc lifting them, p = {:.2g}", working), with(working)});
+    return all;
+  }
+  const auto r = model::reduce(std::get<model::GimballedParameters>(rig.machine));
+  all.push_back({"weight alone", [=](double tilt) { return r.U * (std::cos(tilt) - 1.0); }});
+  all.push_back({"gimbals free, p = 0", [=](double tilt) {
+                   return r.H * r.H * tilt * tilt / (2.0 * r.J) + r.U * (std::cos(tilt) - 1.0);
+                 }});
+  return all;
+}
+
+}  // namespace
+
+std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& analysis) {
+  const double duration = response_time(analysis);
+  const bool driven = rig.controller.law != LawKind::kNone;
+  auto undriven = std::async(
+      std::launch::async, [&] { return driven ? response(left_alone(rig), duration) : Columns{}; });
+  const Columns with_law = response(rig, duration);
+  const Columns alone = undriven.get();
+  const model::Layout layout = rig.build_machine().layout;
+  const std::string what = rig.reference_impulse_nms > 0.0
+                               ? fmt::format("a push of {:g} N m s in roll at {:g} s",
+                                             rig.reference_impulse_nms, kPushAt)
+                               : std::string("its initial state");
+  std::vector<CaptionedChart> charts;
+  if (layout.tilts() > 0) {
+    Chart tilt = over_time("Tilt after the reference push", duration, "tilt [deg]");
+    tilt.curves.push_back(curve("roll", with_law, 1));
+    if (layout.tilts() > 1) tilt.curves.push_back(curve("pitch", with_law, 2));
+    if (driven)
+      tilt.curves.push_back(curve("roll, drives left alone", alone, 1, Curve::Style::kDashed, 6));
+    // What falls would flatten what stands.
+    const double most = std::ranges::max(with_law[1], {}, [](double x) { return std::abs(x); });
+    const double reach = std::max(2.0, 1.6 * std::abs(most));
+    tilt.y.low = -reach;
+    tilt.y.high = reach;
+    charts.push_back({tilt, "Full model from the initial state, with " + what +
+                                (driven ? "; dashed, the same with the drives left alone." : ".")});
+  }
+  if (layout.disc != model::kFixed) {
+    Chart disc = over_time("Disc speed", duration, "disc speed [rad/s]");
+    disc.curves.push_back(curve("disc", with_law, 3));
+    charts.push_back(
+        {disc, "The tilt rate throws the disc about; the drive only steers its mean."});
+  }
+  Chart gimbals = over_time("Gimbal angles", duration, "gimbal [deg]");
+  gimbals.curves.push_back(curve("first", with_law, 4));
+  if (layout.disc == model::kFixed && layout.tilts() > 1) {
+    gimbals.curves.push_back(curve("second pair", with_law, 5));
+  }
+  charts.push_back(
+      {gimbals, "How far the gyros turn; their stops are the end of what they can take."});
+  if (driven) {
+    Chart torque = over_time("Drive torque", duration, "torque [N m]");
+    torque.curves.push_back(curve("first drive", with_law, 6));
+    if (layout.disc == model::kFixed && layout.tilts() > 1) {
+      torque.curves.push_back(curve("second drive", with_law, 7));
+    }
+    charts.push_back({torque, "What the law gets of its drives, within their limits."});
+  }
+  return charts;
+}
+
+std::optional<CaptionedChart> phase_portrait(const Rig& rig, int threads) {
+  const model::Machine machine = rig.build_machine();
+  if (machine.layout.tilt[0] == model::kFixed) return std::nullopt;
+  if (std::holds_alternative<model::GyroscopeParameters>(rig.machine)) return std::nullopt;
+  const double fall = rig.safety.fall_tilt_rad;
+  const double rate = toppling_rate(rig);
+  std::vector<std::pair<double, double>> starts;
+  for (const double share : {0.25, 0.6}) {
+    for (int i = 0; i < kStarts; ++i) {
+      const double angle = 2.0 * std::acos(-1.0) * i / kStarts;
+      starts.emplace_back(share * fall * std::cos(angle), share * fall * rate * std::sin(angle));
+    }
+  }
+  std::vector<Path> paths(starts.size());
+  std::vector<std::future<void>> running;
+  const auto lanes = static_cast<std::size_t>(std::max(threads, 1));
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    running.push_back(std::async(std::launch::async, [&, lane] {
+      for (std::size_t i = lane; i < starts.size(); i += lanes) {
+        paths[i] = path_from(rig, machine, starts[i].first, starts[i].second);
+      }
+    }));
+  }
+  for (auto& lane : running) lane.get();
+
+  const double reach = degrees(1.15 * fall);
+  Chart chart{"Phase portrait in roll",
+              {"tilt [deg]", -reach, reach},
+              {"tilt rate [deg/s]", -reach * rate * 1.4, reach * rate * 1.4},
+              {},
+              {{Rule::Direction::kVertical, degrees(fall), "fallen"},
+               {Rule::Direction::kVertical, -degrees(fall), "fallen"}}};
+  bool told_stands = false, told_falls = false;
+  for (const Path& path : paths) {
+    bool& told = path.falls ? told_falls : told_stands;
+    chart.curves.push_back({told         ? ""
+                            : path.falls ? "falls"
+                                         : "stands",
+                            path.tilt, path.rate,
+                            path.falls ? Curve::Style::kDashed : Curve::Style::kLine,
+                            path.falls ? 1 : 0});
+    told = true;
+  }
+  Curve starts_at{"starts", {}, {}, Curve::Style::kPoints, 6};
+  for (const auto& [tilt, tilt_rate] : starts) {
+    starts_at.x.push_back(degrees(tilt));
+    starts_at.y.push_back(degrees(tilt_rate));
+  }
+  chart.curves.push_back(starts_at);
+  return CaptionedChart{chart,
+                        fmt::format("Full model under its law for {:g} s, from starts on two "
+                                    "rings: which come back, and how.",
+                                    kPortraitTime)};
+}
+
+std::optional<CaptionedChart> amended_potential(const Rig& rig) {
+  if (std::holds_alternative<model::GyroscopeParameters>(rig.machine)) return std::nullopt;
+  constexpr int kPlaces = 400;
+  const double fall = rig.safety.fall_tilt_rad;
+  Chart chart{
+      "Amended potential", {"tilt [deg]", -degrees(fall), degrees(fall)}, {"potential [J]"}, {}};
+  double depth = 0.0;
+  for (const Potential& potential : potentials_of(rig)) {
+    Curve curve{potential.name,
+                {},
+                {},
+                chart.curves.empty() ? Curve::Style::kDashed : Curve::Style::kLine,
+                chart.curves.empty() ? 6 : static_cast<int>(chart.curves.size()) - 1};
+    for (int i = 0; i <= kPlaces; ++i) {
+      const double tilt = fall * (2.0 * i / kPlaces - 1.0);
+      curve.x.push_back(degrees(tilt));
+      curve.y.push_back(potential.value(tilt));
+      depth = std::max(depth, chart.curves.empty() ? -curve.y.back() : 0.0);
+    }
+    chart.curves.push_back(curve);
+  }
+  chart.y.low = -1.5 * depth;
+  chart.y.high = 3.0 * depth;
+  const bool umbrella = std::holds_alternative<model::UmbrellaParameters>(rig.machine);
+  return CaptionedChart{
+      chart,
+      umbrella
+          ? "What tilt moves in when nothing drives the disc, nothing rubs, and the disc is held "
+            "level: p = C Omega + N h sin tg stays what it is [N m s]. A valley at 0 stands; with "
+            "p > 0 there are two, and it parks tilted."
+          : "What tilt moves in when the gimbals are left alone, without friction and for small "
+            "turns: p = J q' + H theta stays what it is. A valley stands as long as nothing rubs; "
+            "friction or a load lets the gimbals run to their stops."};
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,235 @@
+#include "clients/analyze/words.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "clients/common/tilt.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string heading(const std::string& text) { return "\n" + text + "\n"; }
+
+std::string mark(const Condition& condition) {
+  return condition.holds ? "ok" : condition.decides ? "FAILS" : "fails";
+}
+
+std::string factor(double margin) {
+  return std::isfinite(margin) ? fmt::format("x{:.3g}", margin) : "";
+}
+
+std::string told(const Case& seen) {
+  std::string text = fmt::format("  {}\n    {}\n", seen.name, seen.sentence);
+  if (seen.pushed) {
+    text +=
+        fmt::format("    with its reference push: {}, tilt at most {:.3g} deg\n",
+                    seen.pushed->stood() ? "stands" : "falls", degrees(seen.pushed->largest_tilt));
+  }
+  if (!seen.linear) return text + "    no steady motion to linearise about\n";
+  const Modes& modes = seen.linear->modes;
+  text += "    eigenvalues [1/s]: " + listed_rates(modes.eigenvalues) + "\n";
+  if (modes.kink) text += "    (the law bends at upright; these are of its mean slope)\n";
+  if (seen.linear->steady.coasts)
+    text += "    (at the disc's initial speed, which friction takes)\n";
+  return text;
+}
+
+std::string conditions_text(const Theory& theory) {
+  std::string text = heading("Conditions");
+  for (const Condition& c : theory.conditions) {
+    text += fmt::format("  {:<6}{:<44}{:>12.4g} against {:<12.4g}{:<12}{}\n", mark(c), c.claim,
+                        c.value, c.required, c.unit, factor(c.margin));
+    text += fmt::format("        {}\n", c.meaning);
+  }
+  return text;
+}
+
+std::string numbers_text(const Theory& theory) {
+  std::string text = heading("Derived numbers");
+  for (const DerivedNumber& n : theory.numbers) {
+    text += fmt::format("  {:<36}{:>12.5g} {:<12}{}\n", n.symbol, n.value, n.unit, n.meaning);
+  }
+  return text;
+}
+
+std::string criteria_text(const Theory& theory) {
+  std::string text;
+  if (!theory.criteria.empty()) text += heading("Characteristic polynomials of the reduced model");
+  for (const Criterion& c : theory.criteria) {
+    text += fmt::format("  {}: {}\n    = {}\n    Routh's first column:", c.name, c.formula,
+                        text_of(c.polynomial));
+    for (const auto& row : c.scheme.rows) text += fmt::format(" {:.4g}", row[0]);
+    text += c.scheme.stable()        ? ": stable\n"
+            : c.scheme.unstable == 0 ? ": roots on the imaginary axis\n"
+                                     : fmt::format(": {} root{} to the right\n", c.scheme.unstable,
+                                                   c.scheme.unstable == 1 ? "" : "s");
+  }
+  return text;
+}
+
+std::string comparisons_text(const std::vector<Comparison>& comparisons) {
+  std::string text;
+  if (!comparisons.empty()) text += heading("Closed forms beside integration");
+  for (const Comparison& c : comparisons) {
+    text += fmt::format("  {:<72} {:>11.5g} {:>11.5g} {:<6} off by {:.1e}\n", c.meaning, c.formula,
+                        c.integrated, c.unit, c.deviation);
+  }
+  return text;
+}
+
+std::string limits_text(const Analysis& analysis) {
+  if (analysis.limits.empty()) return "";
+  std::string text = heading(fmt::format("Limits, by bisection on the full model over {:.3g} s",
+                                         analysis.limits.front().duration));
+  for (const Limit& limit : analysis.limits) {
+    const std::string falls = std::isfinite(limit.falls)
+                                  ? "falls at " + with_unit(limit.falls, limit.unit)
+                                  : "no end found";
+    text += fmt::format("  {:<60} stands {:<14} {:<22} tilt up to {:.3g} deg\n", limit.meaning,
+                        with_unit(limit.stands, limit.unit) + ",", falls + ",",
+                        degrees(limit.largest_tilt));
+  }
+  return text;
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json trial_json(const Trial& trial) {
+  const auto fell = trial.outcome.verdict.fell_at();
+  return {{"stood", trial.stood()},
+          {"duration_s", trial.outcome.t},
+          {"fell_at_s", fell ? Json(*fell) : Json(nullptr)},
+          {"largest_tilt_rad", number(trial.largest_tilt)},
+          {"end_tilt_rad", number(trial.end_tilt)},
+          {"least_gimbal_margin_rad", number(trial.least_gimbal_margin)},
+          {"largest_torque_nm", number(trial.largest_torque)},
+          {"largest_holding_moment_nm", number(trial.largest_holding_moment)}};
+}
+
+Json linear_json(const LinearModel& linear) {
+  Json eigenvalues = Json::array();
+  for (const std::complex<double>& x : linear.modes.eigenvalues) {
+    eigenvalues.push_back({x.real(), x.imag()});
+  }
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < linear.modes.F.rows(); ++i) {
+    const Eigen::RowVectorXd row = linear.modes.F.row(i);
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  const auto& modes = linear.modes;
+  return {{"growth_per_s", modes.growth},
+          {"eigenvalues_per_s", eigenvalues},
+          {"polynomial", polynomial_of(modes.eigenvalues)},
+          {"states", modes.states},
+          {"matrix", rows},
+          {"jacobian_against_differences", modes.difference},
+          {"law_bends", modes.kink},
+          {"coasts", linear.steady.coasts}};
+}
+
+Json case_json(const Case& seen) {
+  return {{"key", seen.key},
+          {"name", seen.name},
+          {"standing", word_for(seen.standing)},
+          {"sentence", seen.sentence},
+          {"undisturbed", trial_json(seen.undisturbed)},
+          {"pushed", seen.pushed ? trial_json(*seen.pushed) : Json(nullptr)},
+          {"linear", seen.linear ? linear_json(*seen.linear) : Json(nullptr)}};
+}
+
+Json theory_json(const Theory& theory) {
+  Json numbers = Json::array(), conditions = Json::array(), criteria = Json::array();
+  for (const DerivedNumber& n : theory.numbers) {
+    numbers.push_back({{"key", n.key},
+                       {"symbol", n.symbol},
+                       {"meaning", n.meaning},
+                       {"value", number(n.value)},
+                       {"unit", n.unit}});
+  }
+  for (const Condition& c : theory.conditions) {
+    conditions.push_back({{"key", c.key},
+                          {"claim", c.claim},
+                          {"meaning", c.meaning},
+                          {"value", number(c.value)},
+                          {"required", number(c.required)},
+                          {"unit", c.unit},
+                          {"holds", c.holds},
+                          {"decides", c.decides},
+                          {"margin", number(c.margin)}});
+  }
+  for (const Criterion& c : theory.criteria) {
+    criteria.push_back({{"name", c.name},
+                        {"formula", c.formula},
+                        {"polynomial", c.polynomial},
+                        {"routh", c.scheme.rows},
+                        {"unstable_roots", c.scheme.unstable},
+                        {"opposite_roots", c.scheme.opposite_roots}});
+  }
+  return {{"numbers", numbers}, {"conditions", conditions}, {"criteria", criteria}};
+}
+
+}  // namespace
+
+std::string with_unit(double value, const std::string& unit) {
+  return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::string listed_rates(const Eigen::VectorXcd& eigenvalues) {
+  std::string text;
+  for (const std::complex<double>& rate : eigenvalues) {
+    if (rate.imag() < 0.0) continue;  // the upper of the pair has said it
+    text += (text.empty() ? "" : ", ") + fmt::format("{:.4g}", rate.real());
+    if (rate.imag() > 0.0) text += fmt::format("+-{:.4g}i", rate.imag());
+  }
+  return text;
+}
+
+std::string text_of(const Rig& rig, const Analysis& analysis) {
+  const Case& filed = analysis.as_filed();
+  std::string text = fmt::format("{}: {}\n  why: {}\n", rig.name, filed.sentence, analysis.reason);
+  if (!analysis.caution.empty()) text += "  but: " + analysis.caution + "\n";
+  text += heading("Simulated, and linearised about the steady motion");
+  for (const Case& seen : analysis.cases) text += told(seen);
+  return text + conditions_text(analysis.theory) + limits_text(analysis) +
+         numbers_text(analysis.theory) + criteria_text(analysis.theory) +
+         comparisons_text(analysis.comparisons);
+}
+
+Json json_of(const Rig& rig, const Analysis& analysis) {
+  const Case& filed = analysis.as_filed();
+  Json cases = Json::array(), comparisons = Json::array(), limits = Json::array();
+  for (const Case& seen : analysis.cases) cases.push_back(case_json(seen));
+  for (const Comparison& c : analysis.comparisons) {
+    comparisons.push_back({{"key", c.key},
+                           {"meaning", c.meaning},
+                           {"formula", number(c.formula)},
+                           {"integrated", number(c.integrated)},
+                           {"deviation", number(c.deviation)},
+                           {"unit", c.unit}});
+  }
+  for (const Limit& limit : analysis.limits) {
+    limits.push_back({{"key", limit.key},
+                      {"meaning", limit.meaning},
+                      {"unit", limit.unit},
+                      {"stands", number(limit.stands)},
+                      {"falls", number(limit.falls)},
+                      {"largest_tilt_rad", number(limit.largest_tilt)},
+                      {"duration_s", limit.duration}});
+  }
+  return {{"rig", rig.name},
+          {"standing", word_for(filed.standing)},
+          {"sentence", filed.sentence},
+          {"reason", analysis.reason},
+          {"caution", analysis.caution},
+          {"cases", cases},
+          {"theory", theory_json(analysis.theory)},
+          {"comparisons", comparisons},
+          {"limits", limits}};
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,24 @@
+// An analysis as text, and as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "clients/analyze/analysis.hpp"
+
+namespace gyrotwin {
+
+/// For a terminal: verdict and reason first, then what they rest on.
+std::string text_of(const Rig& rig, const Analysis& analysis);
+
+/// Everything, numbers with every digit, units in the names or beside the values; what is not
+/// finite is null.
+nlohmann::ordered_json json_of(const Rig& rig, const Analysis& analysis);
+
+/// "-0.41", "-3.2+-139.5i": each pair once.
+std::string listed_rates(const Eigen::VectorXcd& eigenvalues);
+
+/// Four digits, and the value's unit.
+std::string with_unit(double value, const std::string& unit);
+
+}  // namespace gyrotwin

@@ -1,0 +1,20 @@
+// Another mount or track for an umbrella platform than its rig file says.
+#pragma once
+
+#include <string>
+
+#include "services/model/umbrella.hpp"
+#include "services/runtime/cli.hpp"
+
+namespace gyrotwin {
+
+/// The rig on another mount. That may have other coordinates: the initial state is carried over as
+/// what can be seen of it, so that the disc starts as it sat.
+/// @pre an umbrella platform
+Rig with_mount(Rig rig, model::Mount mount);
+
+/// Overrides the rig's mount and track where they are not empty, as with_mount() does.
+/// @throws Error when the rig is wrong or no umbrella platform
+void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track);
+
+}  // namespace gyrotwin
