@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include "services/integrator/schedule.hpp"
@@ -38,8 +39,10 @@ class ScenarioReader {
  public:
   explicit ScenarioReader(std::string source) : source_(std::move(source)) {}
 
-  std::vector<PlannedEvent> read(std::string_view document) {
-    const toml::table file = parse(document);
+  std::vector<PlannedEvent> read(std::string_view document,
+                                 const std::vector<std::string>& overrides) {
+    toml::table file = parse(document);
+    for (const std::string& text : overrides) apply(text, file);
     std::vector<PlannedEvent> events;
     for (const auto& [key, node] : file) {
       const toml::array* list = key == "event" ? node.as_array() : nullptr;
@@ -77,6 +80,29 @@ class ScenarioReader {
     }
     finish();
     return {};
+  }
+
+  /// `eventN.key=value` on top of the file.
+  void apply(const std::string& text, toml::table& file) {
+    static const std::regex kForm(R"(event(\d{1,3})\.([A-Za-z0-9_]+)=(.+))");
+    std::smatch parts;
+    if (!std::regex_match(text, parts, kForm)) {
+      return note({}, fmt::format("`{}` changes nothing; expected eventN.key=value", text));
+    }
+    const toml::array* list = file["event"].as_array();
+    const auto count = list == nullptr ? 0 : list->size();
+    const auto number = std::stoul(parts[1]);
+    if (number < 1 || number > count) {
+      return note({}, fmt::format("`{}`: there are {} events, counted from 1", text, count));
+    }
+    toml::table* event = file["event"][number - 1].as_table();
+    if (event == nullptr) return;  // told when it is read
+    try {
+      const toml::table value = toml::parse(fmt::format("value = {}", parts[3].str()));
+      event->insert_or_assign(parts[2].str(), *value.get("value"));
+    } catch (const toml::parse_error&) {
+      event->insert_or_assign(parts[2].str(), parts[3].str());
+    }
   }
 
   static std::string near(std::string_view word, const std::vector<std::string_view>& candidates) {
@@ -243,11 +269,12 @@ fs::path find_scenario(const std::string& name_or_path) {
 
 }  // namespace
 
-std::vector<PlannedEvent> read_scenario(std::string_view document, const std::string& source) {
-  return ScenarioReader(source).read(document);
+std::vector<PlannedEvent> read_scenario(std::string_view document, const std::string& source,
+                                        const std::vector<std::string>& overrides) {
+  return ScenarioReader(source).read(document, overrides);
 }
 
-std::vector<PlannedEvent> load_scenario(const std::string& name_or_path) {
+ScenarioFile open_scenario(const std::string& name_or_path) {
   const fs::path file = find_scenario(name_or_path);
   std::error_code none;
   std::ifstream stream(file);
@@ -257,7 +284,12 @@ std::vector<PlannedEvent> load_scenario(const std::string& name_or_path) {
   }
   std::ostringstream text;
   text << stream.rdbuf();
-  return read_scenario(text.str(), file.string());
+  return {file.string(), text.str()};
+}
+
+std::vector<PlannedEvent> load_scenario(const std::string& name_or_path) {
+  const ScenarioFile file = open_scenario(name_or_path);
+  return read_scenario(file.document, file.source);
 }
 
 request_t request_of(const PlannedEvent& planned, const Rig& rig, std::int64_t tick_ns,

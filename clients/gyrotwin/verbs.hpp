@@ -18,11 +18,13 @@ inline constexpr std::array<Program, 2> kDaemons{{
     {"controller", "keeps it up: hears STATE, answers with COMMAND"},
 }};
 
-inline constexpr std::array<Program, 6> kClients{{
+inline constexpr std::array<Program, 8> kClients{{
     {"ctl", "arm, disarm, pause, step, reset ...; status; wait until it balances"},
     {"disturb", "push it, break parts of it, play a scenario, see it recover"},
     {"top", "how the rig is, live: state, margins, rates, losses, who is alive"},
     {"log", "keep the record: record, info, cat, replay, recover"},
+    {"analyze", "whether a rig stands, by how much, and why: text, JSON or a page with pictures"},
+    {"sweep", "many rigs, starts and disturbances at once: which ones stand"},
     {"simulate", "the same rig offline, faster than real time, into a CSV"},
     {"key", "make or show the key that signs the rig's messages"},
 }};

@@ -1,7 +1,6 @@
 // gyrotwin-simulate: a rig offline, faster than real time.
-#include <csignal>
-
 #include "clients/common/initial.hpp"
+#include "clients/common/interrupt.hpp"
 #include "clients/common/mount.hpp"
 #include "clients/common/scenario.hpp"
 #include "clients/common/tilt.hpp"
@@ -23,7 +22,7 @@ constexpr double kLongest = 1e6;    // [s]
 
 /// What the command line says; empty: not given.
 struct Options {
-  std::vector<std::string> initial, torque, external;
+  std::vector<std::string> initial, torque, external, events;
   std::string scenario, motor = "on", law, feedback, stepper, mount, track, output = "-";
   double duration = 10.0;
   std::optional<double> sample;
@@ -66,6 +65,10 @@ void add_inputs(CLI::App& app, Options& options) {
                  "scenario file, or the name of a shipped one; needs sampled feedback")
       ->type_name("NAME|FILE")
       ->group("Inputs");
+  add_list(app, "--event", options.events,
+           "Another number for the scenario's N-th event: event1.impulse_nms=5, with the keys that "
+           "its file has")
+      ->type_name("eventN.KEY=VALUE");
 }
 
 void add_plant(CLI::App& app, Options& options) {
@@ -132,10 +135,14 @@ model::State start_of(const Rig& rig, const model::Machine& machine, const Optio
 }
 
 /// What `disturb play` asks a live owner that is HELD.
-std::vector<Scenario::Event> events_of(const Rig& rig, const std::string& file) {
+std::vector<Scenario::Event> events_of(const Rig& rig, const Options& options) {
   std::vector<Scenario::Event> events;
-  if (file.empty()) return events;
-  for (const PlannedEvent& planned : load_scenario(file)) {
+  if (options.scenario.empty()) {
+    if (!options.events.empty()) throw Error("--event changes a scenario's; give --scenario too");
+    return events;
+  }
+  const ScenarioFile file = open_scenario(options.scenario);
+  for (const PlannedEvent& planned : read_scenario(file.document, file.source, options.events)) {
     events.push_back({request_of(planned, rig, rig.loop.tick_ns(), 0), planned.place});
   }
   return events;
@@ -153,7 +160,7 @@ Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Option
     scenario.torque = torque_input(options.torque, machine);
   }
   scenario.external = external_input(options.external, machine);
-  scenario.events = events_of(rig, options.scenario);
+  scenario.events = events_of(rig, options);
   const bool law = !scenario.torque && rig.controller.law != LawKind::kNone;
   const bool ticks = law || !scenario.events.empty() || rig.loop.state == StateSource::kEstimate;
   scenario.sampled = options.feedback.empty() ? ticks : options.feedback == "sampled";
@@ -162,25 +169,6 @@ Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Option
   scenario.stepping.substeps = rig.loop.substeps;
   return scenario;
 }
-
-/// SIGINT and SIGTERM, kept waiting so that no row is cut.
-class Interrupt {
- public:
-  Interrupt() {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    sigprocmask(SIG_BLOCK, &signals_, nullptr);
-  }
-  bool wanted() const {
-    sigset_t pending;
-    sigpending(&pending);
-    return sigismember(&pending, SIGINT) == 1 || sigismember(&pending, SIGTERM) == 1;
-  }
-
- private:
-  sigset_t signals_;
-};
 
 /// Writes the samples and keeps the user company. Opens the file with the first sample, when all
 /// that can be wrong with the question has been seen.

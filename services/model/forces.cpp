@@ -15,82 +15,93 @@ namespace {
 constexpr double kStopDamping = 0.02;
 constexpr double kStopRamp = 0.01;
 
-double overshoot(const Stop& stop, double q) {
-  return q > stop.upper ? q - stop.upper : q < stop.lower ? q - stop.lower : 0.0;
+template <class S>
+S overshoot(const Stop& stop, const S& q) {
+  return q > stop.upper ? S(q - stop.upper) : q < stop.lower ? S(q - stop.lower) : S(0.0);
 }
 
-double stop_torque(const Stop& stop, double q, double v) {
-  const double d = overshoot(stop, q);
-  if (d == 0.0) return 0.0;
-  const double deeper = d * v > 0.0 ? v * std::min(1.0, std::abs(d) / kStopRamp) : 0.0;
+template <class S>
+S stop_torque(const Stop& stop, const S& q, const S& v) {
+  using std::abs, std::min;
+  const S d = overshoot(stop, q);
+  if (d == 0.0) return S(0.0);
+  const S deeper = d * v > 0.0 ? S(v * min(S(1.0), S(abs(d) / kStopRamp))) : S(0.0);
   return -stop.stiffness * (d + kStopDamping * deeper);
 }
 
 /// A moment between disc and structure, on the disc as given, on the structure opposite.
-void add_pair(const Machine& machine, const Motion& motion, const Vector3d& moment,
-              Coordinates& Q) {
+template <class S>
+void add_pair(const Machine& machine, const MotionOf<S>& motion, const Vector3<S>& moment,
+              CoordinatesOf<S>& Q) {
   for (int i : machine.tree.angular(machine.disc_body)) {
     Q[i] += motion.frame[machine.disc_body].Jw[i].dot(moment);
   }
   for (int i : machine.tree.angular(0)) Q[i] -= motion.frame[0].Jw[i].dot(moment);
 }
 
-double disc_spin(const Machine& machine, const Motion& motion) {
-  const Frame& disc = motion.frame[machine.disc_body];
+template <class S>
+S disc_spin(const Machine& machine, const MotionOf<S>& motion) {
+  const FrameOf<S>& disc = motion.frame[machine.disc_body];
   return (disc.omega - motion.frame[0].omega).dot(disc.R.col(2));
 }
 
-void add_bushing(const Machine& machine, const Motion& motion, Coordinates& Q) {
+template <class S>
+void add_bushing(const Machine& machine, const MotionOf<S>& motion, CoordinatesOf<S>& Q) {
   const TiltBushing& bushing = machine.bushing;
-  const Frame& disc = motion.frame[machine.disc_body];
-  const Frame& structure = motion.frame[0];
-  const Vector3d z_D = disc.R.col(2);
-  const Vector3d tilt = structure.R.col(2).cross(z_D);
-  const Vector3d omega = disc.omega - structure.omega;
-  const double spin = omega.dot(z_D);
-  const Vector3d standing = omega - spin * z_D;                 // tilt rate seen from the structure
-  const Vector3d rotating = standing - spin * z_D.cross(tilt);  // and from the spinning disc
-  const Vector3d on_disc = -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
-                           bushing.standing_damping * standing +
-                           bushing.rotating_damping * rotating.dot(z_D.cross(tilt)) * z_D;
+  const FrameOf<S>& disc = motion.frame[machine.disc_body];
+  const FrameOf<S>& structure = motion.frame[0];
+  const Vector3<S> z_D = disc.R.col(2);
+  const Vector3<S> tilt = structure.R.col(2).cross(z_D);
+  const Vector3<S> omega = disc.omega - structure.omega;
+  const S spin = omega.dot(z_D);
+  const Vector3<S> standing = omega - spin * z_D;  // tilt rate seen from the structure
+  const Vector3<S> rotating = standing - spin * z_D.cross(tilt);  // and from the spinning disc
+  const Vector3<S> on_disc = -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
+                             bushing.standing_damping * standing +
+                             bushing.rotating_damping * rotating.dot(z_D.cross(tilt)) * z_D;
   add_pair(machine, motion, on_disc, Q);
 }
 
-double disc_friction(const Machine& machine, const Motion& motion) {
-  const double spin = disc_spin(machine, motion);
+template <class S>
+S disc_friction(const Machine& machine, const MotionOf<S>& motion) {
+  using std::tanh;
+  const S spin = disc_spin(machine, motion);
   return -machine.disc_friction.viscous * spin -
-         machine.disc_friction.coulomb * std::tanh(spin / DiscFriction::kCreep);
+         machine.disc_friction.coulomb * tanh(spin / DiscFriction::kCreep);
 }
 
 /// How far the structure has moved into the load cell [m].
-double compression(const LoadCell& cell, const StructurePoint& point) {
+template <class S>
+S compression(const LoadCell& cell, const StructurePoint<S>& point) {
   return cell.direction.dot(point.p - cell.point) - cell.rest;
 }
 
-double load_cell_force(const LoadCell& cell, const StructurePoint& point, double yaw_rate) {
-  const Vector3d v_rel = point.v - Vector3d(0.0, 0.0, yaw_rate).cross(point.p);
+template <class S>
+S load_cell_force(const LoadCell& cell, const StructurePoint<S>& point, double yaw_rate) {
+  const Vector3<S> v_rel = point.v - Vector3d(0.0, 0.0, yaw_rate).cross(point.p);
   return cell.stiffness * compression(cell, point) + cell.damping * cell.direction.dot(v_rel);
 }
 
 /// Everything in Q but contact and load cell.
-Coordinates applied_forces(const Machine& machine, const Motion& motion, const State& state,
-                           const Input& input) {
+template <class S>
+CoordinatesOf<S> applied_forces(const Machine& machine, const MotionOf<S>& motion,
+                                const StateOf<S>& state, const Input& input) {
   const int n = machine.coordinates();
-  Coordinates Q = Coordinates::Zero();
+  CoordinatesOf<S> Q = CoordinatesOf<S>::Zero();
   for (int i = 0; i < n; ++i) Q[i] = -machine.damping[i] * state.v[i];
   for (const Stop& stop : machine.stops) {
     Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
   }
 
   // External wrench on the structure.
-  const Frame& structure = motion.frame[0];
-  const Vector3d arm = structure.R * machine.push_point;
-  const Vector3d moment = input.moment + arm.cross(input.force);
+  const FrameOf<S>& structure = motion.frame[0];
+  const Vector3<S> arm = structure.R * machine.push_point;
+  const Vector3<S> moment = input.moment + arm.cross(input.force);
   for (int i : machine.tree.linear(0)) Q[i] += structure.Jv[i].dot(input.force);
   for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
 
   // Friction, bushing and drives.
-  double disc_torque = 0.0;
+  S disc_torque = 0.0;
   if (machine.disc_body != kFixed) {
     disc_torque = disc_friction(machine, motion);
     const TiltBushing& b = machine.bushing;
@@ -100,8 +111,8 @@ Coordinates applied_forces(const Machine& machine, const Motion& motion, const S
   }
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {
     const Drive& drive = machine.drives[i];
-    const double rate = rate_of(machine, motion, drive, state);
-    const double torque = input.drive_strength[i] * drive.torque(input.mode, input.drive[i], rate);
+    const S rate = rate_of(machine, motion, drive, state);
+    const S torque = input.drive_strength[i] * drive.torque(input.mode, input.drive[i], rate);
     if (drive.kind == Drive::Kind::kDisc) {
       disc_torque += torque;
     } else {
@@ -109,47 +120,63 @@ Coordinates applied_forces(const Machine& machine, const Motion& motion, const S
     }
   }
   if (disc_torque != 0.0) {
-    add_pair(machine, motion, disc_torque * motion.frame[machine.disc_body].R.col(2), Q);
+    const Vector3<S> on_disc = disc_torque * motion.frame[machine.disc_body].R.col(2);
+    add_pair(machine, motion, on_disc, Q);
   }
   return Q;
 }
 
 }  // namespace
 
-StructurePoint structure_point(const Machine& machine, const Motion& motion,
-                               const Vector3d& position) noexcept {
-  const Frame& structure = motion.frame[0];
-  StructurePoint point;
+template <class S>
+StructurePoint<S> structure_point(const Machine& machine, const MotionOf<S>& motion,
+                                  const Vector3d& position) noexcept {
+  const FrameOf<S>& structure = motion.frame[0];
+  StructurePoint<S> point;
   point.arm = structure.R * position;
   point.p = structure.p + point.arm;
-  const Vector3d v_arm = structure.omega.cross(point.arm);
+  const Vector3<S> v_arm = structure.omega.cross(point.arm);
   point.v = structure.v + v_arm;
   point.a0 = structure.a0 + structure.alpha0.cross(point.arm) + structure.omega.cross(v_arm);
-  point.J.fill(Vector3d::Zero());
+  point.J.fill(Vector3<S>::Zero());
   for (int i : machine.tree.linear(0)) point.J[i] = structure.Jv[i];
   for (int i : machine.tree.angular(0)) point.J[i] += structure.Jw[i].cross(point.arm);
   return point;
 }
 
-double rate_of(const Machine& machine, const Motion& motion, const Drive& drive,
-               const State& state) noexcept {
+template <class S>
+S rate_of(const Machine& machine, const MotionOf<S>& motion, const Drive& drive,
+          const StateOf<S>& state) noexcept {
   return drive.kind == Drive::Kind::kDisc ? disc_spin(machine, motion) : state.v[drive.coordinate];
+}
+
+Coordinates drive_direction(const Machine& machine, const Motion& motion,
+                            const Drive& drive) noexcept {
+  Coordinates Q = Coordinates::Zero();
+  if (drive.kind == Drive::Kind::kDisc) {
+    const Vector3d axis = motion.frame[machine.disc_body].R.col(2);
+    add_pair(machine, motion, axis, Q);
+  } else {
+    Q[drive.coordinate] = 1.0;
+  }
+  return Q;
 }
 
 double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept {
   if (!machine.load_cell) return 0.0;
-  const StructurePoint point = structure_point(machine, motion, machine.load_cell->point);
+  const StructurePoint<double> point = structure_point(machine, motion, machine.load_cell->point);
   return load_cell_force(*machine.load_cell, point, input.yaw_rate);
 }
 
-Coordinates all_forces(const Machine& machine, const Motion& motion, const State& state,
-                       const Input& input) noexcept {
-  Coordinates Q = applied_forces(machine, motion, state, input);
+template <class S>
+CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
+                            const StateOf<S>& state, const Input& input) noexcept {
+  CoordinatesOf<S> Q = applied_forces(machine, motion, state, input);
   if (machine.track) add_contact(machine, motion, Q);
   if (machine.load_cell) {
     const LoadCell& cell = *machine.load_cell;
-    const StructurePoint point = structure_point(machine, motion, cell.point);
-    const Vector3d force = -load_cell_force(cell, point, input.yaw_rate) * cell.direction;
+    const StructurePoint<S> point = structure_point(machine, motion, cell.point);
+    const Vector3<S> force = -load_cell_force(cell, point, input.yaw_rate) * cell.direction;
     for (int i = 0; i < machine.coordinates(); ++i) Q[i] += point.J[i].dot(force);
   }
   return Q;
@@ -174,11 +201,20 @@ double spring_energy(const Machine& machine, const Motion& motion, const State& 
   const auto& bodies = machine.tree.bodies();
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
     if (bodies[b].rotor_index < 0) continue;
-    const TipMotion tip = tip_motion(*machine.track, motion, b);
+    const TipMotion<double> tip = tip_motion(*machine.track, motion, b);
     V += contact_energy(*machine.track, lower_indentation(*machine.track, motion, tip)) +
          contact_energy(*machine.track, upper_indentation(*machine.track, motion, tip));
   }
   return V;
 }
+
+template StructurePoint<double> structure_point(const Machine&, const Motion&,
+                                                const Vector3d&) noexcept;
+template StructurePoint<Dual> structure_point(const Machine&, const MotionOf<Dual>&,
+                                              const Vector3d&) noexcept;
+template double rate_of(const Machine&, const Motion&, const Drive&, const State&) noexcept;
+template Coordinates all_forces(const Machine&, const Motion&, const State&, const Input&) noexcept;
+template CoordinatesOf<Dual> all_forces(const Machine&, const MotionOf<Dual>&, const StateOf<Dual>&,
+                                        const Input&) noexcept;
 
 }  // namespace gyrotwin::model

@@ -7,28 +7,36 @@
 namespace gyrotwin::model {
 
 /// Motion of a point that the structure carries; world axes, as in Frame.
+template <class S>
 struct StructurePoint {
-  Eigen::Vector3d arm;  ///< from the structure's pivot [m]
-  Eigen::Vector3d p;    ///< [m]
-  Eigen::Vector3d v;    ///< [m/s]
-  Eigen::Vector3d a0;   ///< [m/s^2]
-  Jacobian J;           ///< d v / d q'_i, for all coordinates
+  Vector3<S> arm;   ///< from the structure's pivot [m]
+  Vector3<S> p;     ///< [m]
+  Vector3<S> v;     ///< [m/s]
+  Vector3<S> a0;    ///< [m/s^2]
+  JacobianOf<S> J;  ///< d v / d q'_i, for all coordinates
 };
 
 /// @param position structure frame [m]
-StructurePoint structure_point(const Machine& machine, const Motion& motion,
-                               const Eigen::Vector3d& position) noexcept;
+template <class S>
+StructurePoint<S> structure_point(const Machine& machine, const MotionOf<S>& motion,
+                                  const Eigen::Vector3d& position) noexcept;
 
 /// Rate that a drive works against [rad/s].
-double rate_of(const Machine& machine, const Motion& motion, const Drive& drive,
-               const State& state) noexcept;
+template <class S>
+S rate_of(const Machine& machine, const MotionOf<S>& motion, const Drive& drive,
+          const StateOf<S>& state) noexcept;
+
+/// Q of a torque of 1 N m of a drive [1].
+Coordinates drive_direction(const Machine& machine, const Motion& motion,
+                            const Drive& drive) noexcept;
 
 /// What the structure presses on the load cell with [N].
 double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept;
 
 /// Q [N m].
-Coordinates all_forces(const Machine& machine, const Motion& motion, const State& state,
-                       const Input& input) noexcept;
+template <class S>
+CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
+                            const StateOf<S>& state, const Input& input) noexcept;
 
 /// In stops, contact, bushing and load cell [J].
 double spring_energy(const Machine& machine, const Motion& motion, const State& state) noexcept;

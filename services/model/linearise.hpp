@@ -1,38 +1,26 @@
+// How a machine's acceleration changes close to a state.
 #pragma once
+
 #include "services/model/machine.hpp"
+
 namespace gyrotwin::model {
+
+/// q'' and its partial derivatives; rows and columns beyond the machine's are 0.
 struct Linearisation {
-  Coordinates acceleration;
-  Eigen::Matrix<double, kMaxCoordinates, kMaxCoordinates> dq, dv;
-  Eigen::Matrix<double, kMaxCoordinates, kMaxGyros> dn;
-  Eigen::Matrix<double, kMaxCoordinates, kMaxDrives> torque;
-  Eigen::Matrix<double, kMaxCoordinates, 3> moment;
+  Coordinates acceleration = Coordinates::Zero();  ///< [rad/s^2]
+  MassMatrix dq = MassMatrix::Zero();              ///< d q'' / d q [1/s^2]
+  MassMatrix dv = MassMatrix::Zero();              ///< d q'' / d q' [1/s]
+  Eigen::Matrix<double, kMaxCoordinates, kMaxDrives> torque =
+      Eigen::Matrix<double, kMaxCoordinates,
+                    kMaxDrives>::Zero();  ///< d q'' / d torque [1/(kg m^2)]
 };
-inline Linearisation linearise(const Machine& m, const State& s, const Input& in) noexcept {
-  Linearisation l{};
-  l.acceleration = m.acceleration(s, in);
-  l.dq.setZero();
-  l.dv.setZero();
-  l.dn.setZero();
-  l.torque.setZero();
-  l.moment.setZero();
-  const double h = 1e-6;
-  for (int i = 0; i < m.coordinates(); ++i) {
-    State a = s, b = s;
-    a.q[i] += h;
-    b.q[i] -= h;
-    l.dq.col(i) = (m.acceleration(a, in) - m.acceleration(b, in)) / (2 * h);
-    a = s;
-    b = s;
-    a.v[i] += h;
-    b.v[i] -= h;
-    l.dv.col(i) = (m.acceleration(a, in) - m.acceleration(b, in)) / (2 * h);
-  }
-  for (std::size_t i = 0; i < m.drives.size(); ++i) {
-    Input a = in;
-    a.drive[i] += 1.0;
-    l.torque.col(static_cast<int>(i)) = m.acceleration(s, a) - l.acceleration;
-  }
-  return l;
-}
+
+/// Exact derivatives, the motor lines' and the contact's included, by dual numbers along every
+/// coordinate and rate: the code that makes the acceleration makes them too. Where the model has a
+/// corner (a stop, an axle just touching, a drive at its limit) they are those of the side that the
+/// state is on. Rotor speeds change as they do at the state. Not finite where acceleration() is
+/// not. Does not allocate.
+/// @param input its drives are torques added by `torque` where they are within their limits
+Linearisation linearise(const Machine& machine, const State& state, const Input& input) noexcept;
+
 }  // namespace gyrotwin::model

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "services/model/contact.hpp"
+#include "services/model/dynamics.hpp"
 #include "services/model/forces.hpp"
 
 namespace gyrotwin::model {
@@ -13,50 +14,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// What an added mass does to M and f: as a body of that mass alone.
-void add_mass(const Machine& machine, const PointMass& added, Motion& motion) {
-  const StructurePoint point = structure_point(machine, motion, added.position);
-  for (int i = 0; i < machine.coordinates(); ++i) {
-    const Vector3d m_J = added.mass * point.J[i];
-    motion.f[i] -= m_J.dot(point.a0);
-    for (int j = 0; j <= i; ++j) motion.M(i, j) += m_J.dot(point.J[j]);
-  }
-}
-
-/// M and f with everything but the reaction of rotors that change their speed.
-void evaluate(const Machine& machine, const State& state, const Input& input, Motion& motion) {
-  const Vector3d weight(0.0, 0.0, machine.gravity);
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed,
-                        {input.ground_acceleration + weight, input.yaw_rate}, motion);
-  for (const PointMass& added : input.added) {
-    if (added.mass != 0.0) add_mass(machine, added, motion);
-  }
-}
-
 /// The machine alone, on a support at rest.
 void evaluate(const Machine& machine, const State& state, Motion& motion) {
   machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d(0.0, 0.0, machine.gravity)},
                         motion);
-}
-
-/// The moments that change the rotors' speeds are taken from the gyros' frames.
-void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, Motion& motion) {
-  const auto& bodies = tree.bodies();
-  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
-    if (bodies[b].rotor_index < 0) continue;
-    const Frame& frame = motion.frame[b];
-    const Vector3d moment = frame.R * (bodies[b].rotor * rate[bodies[b].rotor_index]);
-    for (int i : tree.angular(b)) motion.f[i] -= frame.Jw[i].dot(moment);
-  }
-}
-
-/// q'', and the motion it came from.
-Coordinates accelerate(const Machine& machine, const State& state, const Input& input,
-                       const RotorSpeeds& rotor_rate, Motion& motion) {
-  evaluate(machine, state, input, motion);
-  if (machine.rotor_drive) add_rotor_reactions(machine.tree, rotor_rate, motion);
-  return solve(motion.M, motion.f + all_forces(machine, motion, state, input),
-               machine.coordinates());
 }
 
 /// M v with the lower triangle of M.
@@ -93,7 +54,7 @@ void add_contact_forces(const Machine& machine, const Motion& motion, Truth& tru
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
     const int j = bodies[b].rotor_index;
     if (j < 0) continue;
-    const TipMotion tip = tip_motion(track, motion, b);
+    const TipMotion<double> tip = tip_motion(track, motion, b);
     truth.contact_lower[j] = normal_force(track, lower_indentation(track, motion, tip));
     truth.contact_upper[j] = normal_force(track, upper_indentation(track, motion, tip));
   }
@@ -114,33 +75,39 @@ void add_bodies(const Machine& machine, const Motion& motion, const Input& input
   }
   for (const PointMass& added : input.added) {
     if (added.mass == 0.0) continue;
-    const StructurePoint point = structure_point(machine, motion, added.position);
+    const StructurePoint<double> point = structure_point(machine, motion, added.position);
     add(added.mass, point.p, point.v);
   }
 }
 
 }  // namespace
 
-std::array<double, 2> Drive::range(double rate) const noexcept {
-  if (!motor) return {-torque_limit, torque_limit};
-  const double low = motor->torque(-motor->supply_voltage, rate);
-  const double high = motor->torque(motor->supply_voltage, rate);
-  return {std::clamp(low, -torque_limit, torque_limit),
-          std::clamp(high, -torque_limit, torque_limit)};
+template <class S>
+std::array<S, 2> Drive::range(const S& rate) const noexcept {
+  const S limit = torque_limit;
+  if (!motor) return {-limit, limit};
+  const S low = motor->torque(-motor->supply_voltage, rate);
+  const S high = motor->torque(motor->supply_voltage, rate);
+  return {std::clamp<S>(low, -limit, limit), std::clamp<S>(high, -limit, limit)};
 }
 
-double Drive::torque(DriveMode mode, double command, double rate) const noexcept {
+template <class S>
+S Drive::torque(DriveMode mode, double command, const S& rate) const noexcept {
   if (mode == DriveMode::kIdealTorque) return command;
-  double wanted = command;
-  if (mode == DriveMode::kBrake) wanted = motor ? motor->torque(0.0, rate) : -command * rate;
+  S wanted = command;
+  if (mode == DriveMode::kBrake) wanted = motor ? motor->torque(0.0, rate) : S(-command * rate);
   if (mode == DriveMode::kVoltage) {
-    if (!motor) return 0.0;
+    if (!motor) return S(0.0);
     const double Vb = motor->supply_voltage;
     wanted = motor->torque(std::clamp(command, -Vb, Vb), rate);
   }
   const auto [low, high] = range(rate);
-  return std::clamp(wanted, low, high);
+  return std::clamp<S>(wanted, low, high);
 }
+
+template std::array<double, 2> Drive::range(const double&) const noexcept;
+template double Drive::torque(DriveMode, double, const double&) const noexcept;
+template Dual Drive::torque(DriveMode, double, const Dual&) const noexcept;
 
 double RotorDrive::drag(double speed) const noexcept {
   return viscous_drag * speed + coulomb_drag * std::tanh(speed / kCreep);
@@ -188,7 +155,7 @@ InertialReading Machine::inertial(const State& state, const Input& input,
   Motion motion;
   const Coordinates acceleration =
       accelerate(*this, state, input, rotor_acceleration(state, input), motion);
-  const StructurePoint imu = structure_point(*this, motion, point);
+  const StructurePoint<double> imu = structure_point(*this, motion, point);
   Vector3d a = imu.a0;
   for (int i = 0; i < coordinates(); ++i) a += imu.J[i] * acceleration[i];
   const Eigen::Matrix3d& R = motion.frame[0].R;

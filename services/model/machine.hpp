@@ -20,9 +20,10 @@ inline constexpr int kMaxGyros = kMaxRotors;
 inline constexpr int kMaxAddedMasses = 4;
 
 /// What changes in time. Entries beyond the machine's coordinates and rotors are 0.
-struct State {
-  Coordinates q = Coordinates::Zero();  ///< generalised coordinates [rad]
-  Coordinates v = Coordinates::Zero();  ///< their rates [rad/s]
+template <class S>
+struct StateOf {
+  CoordinatesOf<S> q = CoordinatesOf<S>::Zero();  ///< generalised coordinates [rad]
+  CoordinatesOf<S> v = CoordinatesOf<S>::Zero();  ///< their rates [rad/s]
   RotorSpeeds rotor_speed{};  ///< relative to the gyro's frame, about its spin axis [rad/s]
 
   bool finite() const noexcept {
@@ -31,6 +32,7 @@ struct State {
                        [](double n) { return std::isfinite(n); });
   }
 };
+using State = StateOf<double>;
 
 /// How Input::drive is meant.
 enum class DriveMode : std::uint8_t {
@@ -71,7 +73,8 @@ struct Motor {
   double supply_voltage;   ///< Vb [V]
 
   /// Torque at the output [N m] for a voltage [V] at output speed [rad/s].
-  double torque(double voltage, double rate) const noexcept {
+  template <class S>
+  S torque(double voltage, const S& rate) const noexcept {
     const double k = torque_constant * gear_ratio;
     return k * (voltage - k * rate) / resistance;
   }
@@ -87,9 +90,11 @@ struct Drive {
   double torque_limit;         ///< of the rig [N m]
 
   /// Lowest and highest torque [N m] it can exert at a rate [rad/s].
-  std::array<double, 2> range(double rate) const noexcept;
+  template <class S>
+  std::array<S, 2> range(const S& rate) const noexcept;
   /// What it exerts when asked for `command` at a rate [rad/s].
-  double torque(DriveMode mode, double command, double rate) const noexcept;
+  template <class S>
+  S torque(DriveMode mode, double command, const S& rate) const noexcept;
 };
 
 /// One-sided springs at both ends of a coordinate, damped while moving further in.

@@ -7,7 +7,6 @@
 
 namespace gyrotwin::model {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 namespace {
@@ -22,18 +21,20 @@ IndexList list_of(unsigned mask) {
 
 /// sum += a x b, by components: Eigen writes the product by components too, and reading it back in
 /// pairs stalls.
-void add_cross(Vector3d& sum, const Vector3d& a, const Vector3d& b) {
+template <class S>
+void add_cross(Vector3<S>& sum, const Vector3<S>& a, const Vector3<S>& b) {
   sum.x() += a.y() * b.z() - a.z() * b.y();
   sum.y() += a.z() * b.x() - a.x() * b.z();
   sum.z() += a.x() * b.y() - a.y() * b.x();
 }
 
 /// R <- R Rot(axis, angle): only two columns change.
-void turn(Matrix3d& R, Axis axis, double s, double c) {
+template <class S>
+void turn(Eigen::Matrix<S, 3, 3>& R, Axis axis, S s, S c) {
   const int a = (static_cast<int>(axis) + 1) % 3;
   const int b = (static_cast<int>(axis) + 2) % 3;
-  const Vector3d A = R.col(a);
-  const Vector3d B = R.col(b);
+  const Vector3<S> A = R.col(a);
+  const Vector3<S> B = R.col(b);
   R.col(a) = c * A + s * B;
   R.col(b) = c * B - s * A;
 }
@@ -76,34 +77,37 @@ Tree::Tree(std::vector<Body> bodies, int coordinates)
   }
 }
 
-void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeeds& rotor_speed,
-                    const Support& support, Motion& motion) const noexcept {
+template <class S>
+void Tree::evaluate(const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,
+                    const RotorSpeeds& rotor_speed, const Support& support,
+                    MotionOf<S>& motion) const noexcept {
+  using std::cos, std::sin;
   motion.M.setZero();
   motion.f.setZero();
 
   // Gears share coordinates, so one sine and cosine per coordinate serves all unit gearings.
-  std::array<double, kMaxCoordinates> sin_q, cos_q;
+  std::array<S, kMaxCoordinates> sin_q, cos_q;
   for (int i = 0; i < n_; ++i) {
-    sin_q[i] = std::sin(q[i]);
-    cos_q[i] = std::cos(q[i]);
+    sin_q[i] = sin(q[i]);
+    cos_q[i] = cos(q[i]);
   }
 
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Body& body = bodies_[b];
     const ResolvedBody& resolved = resolved_[b];
-    Frame& frame = motion.frame[b];
+    FrameOf<S>& frame = motion.frame[b];
 
     // The pivot, carried by the position parent.
     for (int i : resolved.linear) frame.Jv[i].setZero();
     if (body.position_parent == kGround) {
       frame.p.setZero();
       frame.v.setZero();
-      frame.a0 = support.acceleration;
+      frame.a0 = support.acceleration.cast<S>();
     } else {
-      const Frame& parent = motion.frame[body.position_parent];
-      const Vector3d rho = parent.R * body.pivot;
+      const FrameOf<S>& parent = motion.frame[body.position_parent];
+      const Vector3<S> rho = parent.R * body.pivot;
       frame.p = parent.p + rho;
-      const Vector3d v_rho = parent.omega.cross(rho);
+      const Vector3<S> v_rho = parent.omega.cross(rho);
       frame.v = parent.v + v_rho;
       frame.a0 = parent.a0;
       add_cross(frame.a0, parent.alpha0, rho);
@@ -117,24 +121,24 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
     // The orientation, turned from the orientation parent's by the joint's rotations.
     for (int i : resolved.angular) frame.Jw[i].setZero();
     if (body.orientation_parent != kGround) {
-      const Frame& parent = motion.frame[body.orientation_parent];
+      const FrameOf<S>& parent = motion.frame[body.orientation_parent];
       frame.R = parent.R;
       frame.omega = parent.omega;
       frame.alpha0 = parent.alpha0;
       for (int i : angular(body.orientation_parent)) frame.Jw[i] = parent.Jw[i];
     } else {
       frame.R.setIdentity();
-      frame.omega = {0.0, 0.0, support.yaw_rate};
+      frame.omega = {S(0.0), S(0.0), S(support.yaw_rate)};
       frame.alpha0.setZero();
     }
     for (int r = 0; r < resolved.rotations; ++r) {
       const ResolvedRotation& rotation = resolved.rotation[r];
-      double s = rotation.sin, c = rotation.cos;
+      S s = rotation.sin, c = rotation.cos;
       if (rotation.coordinate != kFixed) {
         const int i = rotation.coordinate;
         const double k = rotation.coefficient;
-        const Vector3d e = frame.R.col(static_cast<int>(rotation.axis));
-        const Vector3d rate = k * v[i] * e;
+        const Vector3<S> e = frame.R.col(static_cast<int>(rotation.axis));
+        const Vector3<S> rate = k * v[i] * e;
         add_cross(frame.alpha0, frame.omega, rate);
         frame.omega += rate;
         frame.Jw[i] += k * e;
@@ -142,22 +146,22 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
           s = k * sin_q[i];
           c = cos_q[i];
         } else {
-          s = std::sin(rotation.offset + k * q[i]);
-          c = std::cos(rotation.offset + k * q[i]);
+          s = sin(rotation.offset + k * q[i]);
+          c = cos(rotation.offset + k * q[i]);
         }
       }
       turn(frame.R, rotation.axis, s, c);
     }
 
     // Linear inertia, weight in it, at the centre of mass.
-    Jacobian at_cm;
-    const Jacobian& Jv = resolved.cm_at_pivot ? frame.Jv : at_cm;
-    Vector3d a0 = frame.a0;
+    JacobianOf<S> at_cm;
+    const JacobianOf<S>& Jv = resolved.cm_at_pivot ? frame.Jv : at_cm;
+    Vector3<S> a0 = frame.a0;
     motion.p_cm[b] = frame.p;
     motion.v_cm[b] = frame.v;
     if (!resolved.cm_at_pivot) {
-      const Vector3d rho = frame.R * body.cm;
-      const Vector3d v_rho = frame.omega.cross(rho);
+      const Vector3<S> rho = frame.R * body.cm;
+      const Vector3<S> v_rho = frame.omega.cross(rho);
       motion.p_cm[b] += rho;
       motion.v_cm[b] += v_rho;
       add_cross(a0, frame.alpha0, rho);
@@ -167,7 +171,7 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
       for (int i : resolved.angular) add_cross(at_cm[i], frame.Jw[i], rho);
     }
     for (int i : resolved.linear_cm) {
-      const Vector3d m_Jv = body.mass * Jv[i];
+      const Vector3<S> m_Jv = body.mass * Jv[i];
       motion.f[i] -= m_Jv.dot(a0);
       for (int j : resolved.linear_cm) {
         if (j > i) break;
@@ -178,14 +182,14 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
     // Angular inertia and gyroscopic moment, in body axes where the inertia is diagonal.
     motion.h[b] = body.rotor_index < 0 ? Vector3d::Zero()
                                        : Vector3d(body.rotor * rotor_speed[body.rotor_index]);
-    const Vector3d omega = frame.R.transpose() * frame.omega;
-    const Vector3d alpha0 = frame.R.transpose() * frame.alpha0;
-    const Vector3d moment = body.inertia.cwiseProduct(alpha0) +
-                            omega.cross(body.inertia.cwiseProduct(omega) + motion.h[b]);
-    Jacobian Jw;
+    const Vector3<S> omega = frame.R.transpose() * frame.omega;
+    const Vector3<S> alpha0 = frame.R.transpose() * frame.alpha0;
+    const Vector3<S> moment = body.inertia.cwiseProduct(alpha0) +
+                              omega.cross(body.inertia.cwiseProduct(omega) + motion.h[b]);
+    JacobianOf<S> Jw;
     for (int i : resolved.angular) Jw[i] = frame.R.transpose() * frame.Jw[i];
     for (int i : resolved.angular) {
-      const Vector3d I_Jw = body.inertia.cwiseProduct(Jw[i]);
+      const Vector3<S> I_Jw = body.inertia.cwiseProduct(Jw[i]);
       motion.f[i] -= Jw[i].dot(moment);
       for (int j : resolved.angular) {
         if (j > i) break;
@@ -195,24 +199,25 @@ void Tree::evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeed
   }
 }
 
-Coordinates solve(const MassMatrix& M, const Coordinates& b, int n) noexcept {
+template <class S>
+CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b, int n) noexcept {
   // M = L D L', L with a unit diagonal: no square roots, and one division a coordinate.
-  MassMatrix L;   // its strict lower triangle
-  MassMatrix LD;  // the same columns times D
-  std::array<double, kMaxCoordinates> inverse_D;
-  Coordinates x = Coordinates::Zero();
+  MassMatrixOf<S> L;   // its strict lower triangle
+  MassMatrixOf<S> LD;  // the same columns times D
+  std::array<S, kMaxCoordinates> inverse_D;
+  CoordinatesOf<S> x = CoordinatesOf<S>::Zero();
   for (int i = 0; i < n; ++i) {
-    double d = M(i, i);
-    double y = b[i];
+    S d = M(i, i);
+    S y = b[i];
     for (int j = 0; j < i; ++j) {
-      double sum = M(i, j);
+      S sum = M(i, j);
       for (int k = 0; k < j; ++k) sum -= LD(i, k) * L(j, k);
       LD(i, j) = sum;
       L(i, j) = sum * inverse_D[j];
       d -= sum * L(i, j);
       y -= L(i, j) * x[j];
     }
-    inverse_D[i] = d > 0.0 ? 1.0 / d : std::numeric_limits<double>::quiet_NaN();
+    inverse_D[i] = d > 0.0 ? S(1.0 / d) : S(std::numeric_limits<double>::quiet_NaN());
     x[i] = y;
   }
   for (int i = n - 1; i >= 0; --i) {
@@ -221,5 +226,13 @@ Coordinates solve(const MassMatrix& M, const Coordinates& b, int n) noexcept {
   }
   return x;
 }
+
+template void Tree::evaluate(const Coordinates&, const Coordinates&, const RotorSpeeds&,
+                             const Support&, Motion&) const noexcept;
+template void Tree::evaluate(const CoordinatesOf<Dual>&, const CoordinatesOf<Dual>&,
+                             const RotorSpeeds&, const Support&, MotionOf<Dual>&) const noexcept;
+template Coordinates solve(const MassMatrix&, const Coordinates&, int) noexcept;
+template CoordinatesOf<Dual> solve(const MassMatrixOf<Dual>&, const CoordinatesOf<Dual>&,
+                                   int) noexcept;
 
 }  // namespace gyrotwin::model

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "services/model/dual.hpp"
+
 namespace gyrotwin::model {
 
 inline constexpr int kMaxCoordinates = 6;
@@ -16,9 +18,18 @@ inline constexpr int kMaxRotors = 4;
 inline constexpr int kGround = -1;
 inline constexpr int kFixed = -1;
 
+// What depends on coordinates and rates is written for a scalar S: double, or Dual for its
+// derivative along a direction.
+template <class S>
+using Vector3 = Eigen::Matrix<S, 3, 1>;
+
 /// Generalised coordinates or rates; entries beyond the machine's coordinates are 0.
-using Coordinates = Eigen::Matrix<double, kMaxCoordinates, 1>;
-using MassMatrix = Eigen::Matrix<double, kMaxCoordinates, kMaxCoordinates>;
+template <class S>
+using CoordinatesOf = Eigen::Matrix<S, kMaxCoordinates, 1>;
+using Coordinates = CoordinatesOf<double>;
+template <class S>
+using MassMatrixOf = Eigen::Matrix<S, kMaxCoordinates, kMaxCoordinates>;
+using MassMatrix = MassMatrixOf<double>;
 
 enum class Axis : std::uint8_t { kX = 0, kY = 1, kZ = 2 };
 
@@ -55,7 +66,8 @@ struct IndexList {
   const std::uint8_t* end() const { return index.data() + size; }
 };
 
-using Jacobian = std::array<Eigen::Vector3d, kMaxCoordinates>;
+template <class S>
+using JacobianOf = std::array<Vector3<S>, kMaxCoordinates>;
 
 /// What carries the tree. World axes turn with it; weight is an upward acceleration.
 struct Support {
@@ -64,26 +76,30 @@ struct Support {
 };
 
 /// Motion of one body at one instant; world axes, the point meant is the pivot.
-struct Frame {
-  Eigen::Matrix3d R;       ///< world <- body
-  Eigen::Vector3d p;       ///< pivot [m]
-  Eigen::Vector3d v;       ///< velocity of the pivot against the ground pivot [m/s]
-  Eigen::Vector3d omega;   ///< angular velocity, in space [rad/s]
-  Eigen::Vector3d a0;      ///< acceleration of the pivot at q'' = 0, minus gravity [m/s^2]
-  Eigen::Vector3d alpha0;  ///< angular acceleration at q'' = 0 [rad/s^2]
-  Jacobian Jv;             ///< d v / d q'_i, meaningful for i in Tree::linear(body)
-  Jacobian Jw;             ///< d omega / d q'_i, meaningful for i in Tree::angular(body)
+template <class S>
+struct FrameOf {
+  Eigen::Matrix<S, 3, 3> R;  ///< world <- body
+  Vector3<S> p;              ///< pivot [m]
+  Vector3<S> v;              ///< velocity of the pivot against the ground pivot [m/s]
+  Vector3<S> omega;          ///< angular velocity, in space [rad/s]
+  Vector3<S> a0;             ///< acceleration of the pivot at q'' = 0, minus gravity [m/s^2]
+  Vector3<S> alpha0;         ///< angular acceleration at q'' = 0 [rad/s^2]
+  JacobianOf<S> Jv;          ///< d v / d q'_i, meaningful for i in Tree::linear(body)
+  JacobianOf<S> Jw;          ///< d omega / d q'_i, meaningful for i in Tree::angular(body)
 };
+using Frame = FrameOf<double>;
 
 /// What one evaluation leaves: M q'' = f + Q, and the motion it came from.
-struct Motion {
-  std::array<Frame, kMaxBodies> frame;
-  std::array<Eigen::Vector3d, kMaxBodies> p_cm;  ///< centres of mass, world [m]
-  std::array<Eigen::Vector3d, kMaxBodies> v_cm;  ///< their velocities [m/s]
-  std::array<Eigen::Vector3d, kMaxBodies> h;     ///< rotor momentum, body axes [N m s]
-  MassMatrix M;                                  ///< symmetric, only the lower triangle is filled
-  Coordinates f;                                 ///< inertial, gyroscopic and gravity terms [N m]
+template <class S>
+struct MotionOf {
+  std::array<FrameOf<S>, kMaxBodies> frame;
+  std::array<Vector3<S>, kMaxBodies> p_cm;    ///< centres of mass, world [m]
+  std::array<Vector3<S>, kMaxBodies> v_cm;    ///< their velocities [m/s]
+  std::array<Eigen::Vector3d, kMaxBodies> h;  ///< rotor momentum, body axes [N m s]
+  MassMatrixOf<S> M;                          ///< symmetric, only the lower triangle is filled
+  CoordinatesOf<S> f;                         ///< inertial, gyroscopic and gravity terms [N m]
 };
+using Motion = MotionOf<double>;
 
 using RotorSpeeds = std::array<double, kMaxRotors>;
 
@@ -103,8 +119,10 @@ class Tree {
 
   /// Fills `motion` at (q, v) [rad, rad/s]; rotor speeds [rad/s], constant at the moment. Does not
   /// allocate.
-  void evaluate(const Coordinates& q, const Coordinates& v, const RotorSpeeds& rotor_speed,
-                const Support& support, Motion& motion) const noexcept;
+  template <class S>
+  void evaluate(const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,
+                const RotorSpeeds& rotor_speed, const Support& support,
+                MotionOf<S>& motion) const noexcept;
 
  private:
   struct ResolvedRotation {
@@ -127,6 +145,7 @@ class Tree {
 
 /// Solves M x = b for the leading n x n block, M symmetric positive definite in its lower triangle
 /// (Cholesky). Not positive definite: the result is not finite.
-Coordinates solve(const MassMatrix& M, const Coordinates& b, int n) noexcept;
+template <class S>
+CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b, int n) noexcept;
 
 }  // namespace gyrotwin::model

@@ -126,9 +126,10 @@ ReducedUmbrella reduce(const UmbrellaParameters& p) {
   const double hd = p.disc.joint_height;
 
   ReducedUmbrella r;
-  r.k = (g.pivot_radius + g.axle_length) / g.axle_length;
+  const double reach = g.axle_length * c;
+  r.k = (g.pivot_radius + reach) / reach;
   r.Nh = g.count * g.rotor_inertia * g.rotor_speed;
-  r.H = r.Nh * r.k;
+  r.H = r.Nh * c * r.k;
   const double Jg = g.count * (g.inertia_transverse + g.mass * g.cm_distance * g.cm_distance);
   r.A = p.structure.inertia_x + moving_mass * hd * hd + Jg * r.k * r.k;
   r.C = polar_inertia(p) +

@@ -84,8 +84,8 @@ struct ReducedUmbrella {
   double A;   ///< tilt inertia [kg m^2]
   double C;   ///< disc spin inertia at tg0, geared motor included [kg m^2]
   double U;   ///< toppling stiffness [N m/rad]
-  double H;   ///< coupling, N h (rp + l) / l [N m s]
-  double k;   ///< elevation per tilt, (rp + l) / l [1]
+  double H;   ///< coupling, N h cos(tg0) k [N m s]
+  double k;   ///< elevation per tilt, (rp + l cos tg0) / (l cos tg0) [1]
   double Nh;  ///< sum of the flywheels' momenta [N m s]
 
   /// H^2 / (C U): above 1 the level platform oscillates instead of falling.

@@ -23,16 +23,28 @@ constexpr double unit(std::uint64_t bits) noexcept {
   return 0x1p-53 * static_cast<double>((bits >> 11) + 1);
 }
 
+constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;  // odd, 2^64 over the golden ratio
+
+constexpr std::uint64_t key(std::uint64_t seed, std::uint64_t stream,
+                            std::uint64_t index) noexcept {
+  return mixed(mixed(mixed(seed + kStep) + stream + kStep) + index + kStep);
+}
+
 }  // namespace detail
 
+// Draws that differ in `seed`, `stream` or `index` are independent.
+
+/// A draw from the uniform distribution over 0 to 1; never 0.
+constexpr double uniform(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) noexcept {
+  return detail::unit(detail::mixed(detail::key(seed, stream, index) + detail::kStep));
+}
+
 /// A draw from the normal distribution of mean 0 and variance 1, by Box and Muller's transform.
-/// Draws that differ in `seed`, `stream` or `index` are independent.
 inline double normal(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) noexcept {
-  constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;  // odd, 2^64 over the golden ratio
-  const std::uint64_t key =
-      detail::mixed(detail::mixed(detail::mixed(seed + kStep) + stream + kStep) + index + kStep);
-  const double radius = std::sqrt(-2.0 * std::log(detail::unit(detail::mixed(key + kStep))));
-  return radius * std::cos(2.0 * std::numbers::pi * detail::unit(detail::mixed(key + 2 * kStep)));
+  using detail::kStep, detail::mixed, detail::unit;
+  const std::uint64_t key = detail::key(seed, stream, index);
+  const double radius = std::sqrt(-2.0 * std::log(unit(mixed(key + kStep))));
+  return radius * std::cos(2.0 * std::numbers::pi * unit(mixed(key + 2 * kStep)));
 }
 
 }  // namespace gyrotwin

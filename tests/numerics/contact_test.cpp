@@ -55,12 +55,12 @@ TEST(ForceLaw, IsHuntCrossley) {
   Track track{};
   track.stiffness = 1e7;
   track.damping = 0.5;
-  EXPECT_DOUBLE_EQ(model::normal_force(track, {4e-4, 0.0}), 80.0);
-  EXPECT_DOUBLE_EQ(model::normal_force(track, {4e-4, 0.4}), 96.0);
-  EXPECT_DOUBLE_EQ(model::normal_force(track, {4e-4, -0.4}), 64.0);
-  EXPECT_EQ(model::normal_force(track, {4e-4, -3.0}), 0.0);  // it never pulls
-  EXPECT_EQ(model::normal_force(track, {0.0, 1.0}), 0.0);
-  EXPECT_EQ(model::normal_force(track, {-1e-3, 1.0}), 0.0);
+  EXPECT_DOUBLE_EQ(model::normal_force<double>(track, {4e-4, 0.0}), 80.0);
+  EXPECT_DOUBLE_EQ(model::normal_force<double>(track, {4e-4, 0.4}), 96.0);
+  EXPECT_DOUBLE_EQ(model::normal_force<double>(track, {4e-4, -0.4}), 64.0);
+  EXPECT_EQ(model::normal_force<double>(track, {4e-4, -3.0}), 0.0);  // it never pulls
+  EXPECT_EQ(model::normal_force<double>(track, {0.0, 1.0}), 0.0);
+  EXPECT_EQ(model::normal_force<double>(track, {-1e-3, 1.0}), 0.0);
   EXPECT_EQ(model::contact_energy(track, {-1e-3, 1.0}), 0.0);
 }
 
@@ -72,7 +72,8 @@ TEST(ForceLaw, EnergyIsThatOfTheSpring) {
                            return model::contact_energy(track, {depth * (1.0 + x), 0.0});
                          }) /
                          depth;
-    EXPECT_NEAR(force / model::normal_force(track, {depth, 0.0}), 1.0, 1e-11);  // measured 1.8e-13
+    EXPECT_NEAR(force / model::normal_force<double>(track, {depth, 0.0}), 1.0,
+                1e-11);  // measured 1.8e-13
   }
 }
 
@@ -82,9 +83,9 @@ TEST(ForceLaw, DampingOnlyTakesEnergy) {
   track.stiffness = 1e7;
   track.damping = 2.0;
   for (int i = 0; i < 1000; ++i) {
-    const Indentation in{random.between(0, 1e-3), random.between(-2, 2)};
+    const Indentation<double> in{random.between(0, 1e-3), random.between(-2, 2)};
     const double beyond_spring =
-        model::normal_force(track, in) - model::normal_force(track, {in.depth, 0.0});
+        model::normal_force(track, in) - model::normal_force<double>(track, {in.depth, 0.0});
     EXPECT_GE(beyond_spring * in.rate, 0.0);
   }
 }
@@ -122,7 +123,7 @@ TEST(Tip, VelocitiesAreDerivatives) {
       };
       const Motion motion = motion_of(machine, state);
       for (int b = kFirstGyro; b < gyros_end(machine); ++b) {
-        const model::TipMotion tip = model::tip_motion(*machine.track, motion, b);
+        const model::TipMotion<double> tip = model::tip_motion(*machine.track, motion, b);
         const Vector3d v = motion.frame[0].R *
                            slope([&](double t) { return tip_in_structure(machine, at(t), b); });
         worst_v = std::max(worst_v, (v - tip.v_rel).norm());

@@ -116,8 +116,8 @@ TEST(Energy, ContactAndFrictionOnlyTakeIt) {
 /// rotors' momentum included.
 double turning_energy(const Machine& machine, const State& state, const Input& input) {
   Motion motion;
-  machine.tree.evaluate(state.q, Coordinates::Zero(), state.rotor_speed,
-                        {Vector3d::Zero(), input.yaw_rate}, motion);
+  machine.tree.evaluate<double>(state.q, Coordinates::Zero(), state.rotor_speed,
+                                {Vector3d::Zero(), input.yaw_rate}, motion);
   double T0 = 0.0;
   for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
     const model::Body& body = machine.tree.bodies()[b];
@@ -200,7 +200,7 @@ std::vector<double> powers(const Machine& machine, const State& state, const Inp
   if (!machine.track) return P;
   const model::Track& track = *machine.track;
   for (int b = 2; b < static_cast<int>(bodies.size()); ++b) {
-    const model::TipMotion tip = model::tip_motion(track, motion, b);
+    const model::TipMotion<double> tip = model::tip_motion(track, motion, b);
     const Vector3d v_t = tip.v_rel - z_S.dot(tip.v_rel) * z_S;
     for (const auto& in : {model::lower_indentation(track, motion, tip),
                            model::upper_indentation(track, motion, tip)}) {

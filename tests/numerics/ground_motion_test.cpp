@@ -255,8 +255,8 @@ TEST(GroundMotion, InertialReadingIsThePathThroughSpace) {
       // Orientation in space a time t later, to second order in t.
       const auto orientation = [&](double t) {
         Motion motion;
-        machine.tree.evaluate(state.q + t * state.v + 0.5 * t * t * a, Coordinates::Zero(), {},
-                              {Vector3d::Zero()}, motion);
+        machine.tree.evaluate<double>(state.q + t * state.v + 0.5 * t * t * a, Coordinates::Zero(),
+                                      {}, {Vector3d::Zero()}, motion);
         return Eigen::Matrix3d(Eigen::AngleAxisd(input.yaw_rate * t, Vector3d::UnitZ()) *
                                motion.frame[0].R);
       };

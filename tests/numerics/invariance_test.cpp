@@ -28,26 +28,6 @@ using reference::Random;
 
 constexpr Mount kMounts[] = {Mount::kLevel, Mount::kRigid, Mount::kUniversalJoint};
 
-std::vector<Machine> every_machine(Random& random) {
-  std::vector<Machine> machines;
-  for (const Mount mount : kMounts) {
-    auto p = random.umbrella();
-    p.mount = mount;
-    p.track = TrackKind::kSlot;
-    machines.push_back(model::build(p));
-  }
-  for (const auto arrangement :
-       {model::Arrangement::kSingle, model::Arrangement::kPair, model::Arrangement::kTwoPairs}) {
-    machines.push_back(model::build(random.gimballed(arrangement)));
-  }
-  machines.push_back(model::build(random.gyroscope()));
-  for (Machine& machine : machines) {
-    machine.rotor_drive = random.rotor_drive();
-    machine.load_cell = random.load_cell();
-  }
-  return machines;
-}
-
 /// The disc one gyro spacing further is the same machine with the next gyro's number.
 TEST(Invariance, GyrosAreAlike) {
   Random random(1);
@@ -94,7 +74,7 @@ TEST(Invariance, RollAndPitchAreAlike) {
 
 TEST(Invariance, ObservationTellsTheState) {
   Random random(2);
-  for (const Machine& machine : every_machine(random)) {
+  for (const Machine& machine : random.machines()) {
     const State state = random.state(machine, 0.5, 3.0);
     const State recalled = machine.recall(machine.observe(state));
     EXPECT_EQ(recalled.q, state.q);
@@ -117,7 +97,7 @@ TEST(Invariance, RigidDiscIsSeenWithTheStructuresTilt) {
 
 TEST(Invariance, EvaluationsDoNotAllocate) {
   Random random(3);
-  for (const Machine& machine : every_machine(random)) {
+  for (const Machine& machine : random.machines()) {
     const State state = random.state(machine, 0.3, 2.0);
     const Input input = random.input();
     double sum = 0.0;

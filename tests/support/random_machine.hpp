@@ -88,6 +88,28 @@ class Random {
     return {vector(0.5), vector(1.0).normalized(), between(1e3, 1e5), between(1, 100)};
   }
 
+  /// One of every family and mount, with everything that can act on it.
+  std::vector<model::Machine> machines() {
+    std::vector<model::Machine> machines;
+    for (const model::Mount mount :
+         {model::Mount::kLevel, model::Mount::kRigid, model::Mount::kUniversalJoint}) {
+      auto p = umbrella();
+      p.mount = mount;
+      p.track = model::TrackKind::kSlot;
+      machines.push_back(model::build(p));
+    }
+    for (const auto arrangement :
+         {model::Arrangement::kSingle, model::Arrangement::kPair, model::Arrangement::kTwoPairs}) {
+      machines.push_back(model::build(gimballed(arrangement)));
+    }
+    machines.push_back(model::build(gyroscope()));
+    for (model::Machine& machine : machines) {
+      machine.rotor_drive = rotor_drive();
+      machine.load_cell = load_cell();
+    }
+    return machines;
+  }
+
   /// Everything an input can hold, some motors off and all rotors braked.
   model::Input input() {
     model::Input input;

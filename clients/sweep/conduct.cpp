@@ -1,0 +1,28 @@
+#include "clients/sweep/conduct.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{100};
+constexpr int kAhead = 2;  // runs a worker has at hand, so that it never waits for the next one
+
+}  // namespace
+
+bool conduct(Crew& crew, Journal& journal, std::int64_t runs,
+             const std::function<bool(std::int64_t done)>& go_on) {
+  std::int64_t next = journal.written();
+  std::int64_t done = next;
+  bool going = go_on(done);
+  while ((going && done < runs) || crew.pending() > 0) {
+    while (going && next < runs && crew.pending() < kAhead * crew.size()) crew.give(next++);
+    if (std::optional<Finished> finished = crew.next(kPatience)) {
+      journal.take(finished->run, std::move(finished->line));
+      ++done;
+    }
+    going = going && go_on(done);
+  }
+  return done == runs;
+}
+
+}  // namespace gyrotwin

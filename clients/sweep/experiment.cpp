@@ -1,0 +1,187 @@
+#include "clients/sweep/experiment.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "clients/common/initial.hpp"
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr std::string_view kStart = "start.";
+
+bool is_start(const std::string& key) { return key.starts_with(kStart); }
+bool is_event(const std::string& key) {
+  return key.starts_with("event") && key.size() > 5 && key[5] >= '0' && key[5] <= '9';
+}
+
+std::optional<double> number_at(const toml::node_view<const toml::node>& node) {
+  return node.is_number() ? node.value<double>() : std::nullopt;
+}
+
+/// The number that a document has under `table.key` or `eventN.key`.
+std::optional<double> number_in(const toml::table& document, const std::string& path) {
+  const std::size_t dot = path.find('.');
+  if (dot == std::string::npos) return std::nullopt;
+  const std::string key = path.substr(dot + 1);
+  if (!is_event(path)) return number_at(document[path.substr(0, dot)][key]);
+  const std::size_t number = std::stoul(path.substr(5, dot - 5));
+  return number_at(document["event"][number - 1][key]);
+}
+
+model::State start_of(const Rig& rig, const model::Machine& machine,
+                      const std::vector<std::string>& settings) {
+  model::State state = rig.initial_state(machine);
+  Initial initial{rig.initial_q, rig.initial_v};
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    const std::string name = setting.substr(0, equals);
+    const auto& names = machine.layout.names;
+    const bool rate = name.ends_with("_dot");
+    const auto place = std::ranges::find(names, rate ? name.substr(0, name.size() - 4) : name);
+    if (place == names.end()) {
+      throw Error(
+          fmt::format("start.{}: the machine has no such coordinate; it has {}, and each "
+                      "with _dot for its rate",
+                      name, fmt::join(names, ", ")));
+    }
+    const auto value = toml::parse("x = " + setting.substr(equals + 1))["x"].value<double>();
+    if (!value) throw Error(fmt::format("start.{}: takes a number", setting));
+    (rate ? state.v : state.q)[place - names.begin()] = *value;
+  }
+  return state;
+}
+
+std::string verdict_of(const Trial& trial) {
+  if (trial.outcome.verdict.fell_at()) return "falls";
+  if (!trial.stood()) return "failed";
+  return trial.outcome.verdict.growing() ? "growing" : "stands";
+}
+
+std::string cell(double value) { return std::isfinite(value) ? number_text(value) : ""; }
+
+}  // namespace
+
+Experiment::Experiment(Bench bench, Plan plan) : bench_(std::move(bench)), plan_(std::move(plan)) {
+  for (const Variable& variable : plan_.variables) {
+    if (is_event(variable.key) && bench_.scenario.document.empty()) {
+      throw Error(variable.key + ": there are no events without --scenario");
+    }
+    if (!variable.factor) continue;
+    const std::string text =
+        is_event(variable.key) ? bench_.scenario.document : print_rig(bench_.rig, bench_.overrides);
+    const auto base =
+        is_start(variable.key) ? std::nullopt : number_in(toml::parse(text), variable.key);
+    if (!base) {
+      throw Error(fmt::format("{}={}: there is no number to multiply; leave out the *",
+                              variable.key, variable.spec));
+    }
+    base_[variable.key] = *base;
+  }
+  check();
+}
+
+void Experiment::check() const {
+  constexpr std::int64_t kLooks = 50;
+  std::string first;
+  for (std::int64_t run = 0; run < std::min(kLooks, plan_.runs()); ++run) {
+    try {
+      const Settings chosen = settings(values(run));
+      const Rig rig = load_rig(bench_.rig, chosen.rig);
+      start_of(rig, rig.build_machine(), chosen.start);
+      events_of(rig, chosen.events);
+      return;
+    } catch (const Error& error) {
+      if (first.empty()) first = error.what();
+    }
+  }
+  throw Error(first);
+}
+
+std::vector<Scenario::Event> Experiment::events_of(const Rig& rig,
+                                                   const std::vector<std::string>& settings) const {
+  std::vector<Scenario::Event> events;
+  if (bench_.scenario.document.empty()) return events;
+  for (const PlannedEvent& planned :
+       read_scenario(bench_.scenario.document, bench_.scenario.source, settings)) {
+    events.push_back({request_of(planned, rig, rig.loop.tick_ns(), 0), planned.place});
+  }
+  return events;
+}
+
+std::string Experiment::header() const {
+  std::string text = "run";
+  for (const Variable& variable : plan_.variables) text += ',' + variable.key;
+  return text +
+         ",verdict,fell_at_s,largest_tilt_rad,end_tilt_rad,least_gimbal_margin_rad,"
+         "largest_torque_nm,largest_holding_moment_nm\n";
+}
+
+Point Experiment::values(std::int64_t run) const {
+  Point point = plan_.point(run);
+  for (std::size_t i = 0; i < point.size(); ++i) {
+    const Variable& variable = plan_.variables[i];
+    if (variable.factor) point[i] = number_text(base_.at(variable.key) * std::stod(point[i]));
+    if (variable.kind == Variable::Kind::kSeed) {
+      point[i] = fmt::format("{:.0f}", std::stod(point[i]));
+    }
+  }
+  return point;
+}
+
+Experiment::Settings Experiment::settings(const Point& values) const {
+  Settings settings{bench_.overrides, {}, {}};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::string text = plan_.variables[i].key + '=' + values[i];
+    if (is_start(text)) {
+      settings.start.push_back(text.substr(kStart.size()));
+    } else {
+      (is_event(text) ? settings.events : settings.rig).push_back(text);
+    }
+  }
+  return settings;
+}
+
+Trial Experiment::trial(const Settings& settings) const {
+  const Rig rig = load_rig(bench_.rig, settings.rig);
+  const model::Machine machine = rig.build_machine();
+  Scenario scenario = live_scenario(rig, machine, bench_.duration);
+  scenario.start = start_of(rig, machine, settings.start);
+  scenario.events = events_of(rig, settings.events);
+  return run_trial(rig, machine, scenario);
+}
+
+std::string Experiment::line(std::int64_t run) const {
+  const Point point = values(run);
+  std::string text = fmt::format("{},{}", run, fmt::join(point, ","));
+  try {
+    const Trial seen = trial(settings(point));
+    const auto fell = seen.outcome.verdict.fell_at();
+    return text + fmt::format(",{},{},{},{},{},{},{}\n", verdict_of(seen),
+                              fell ? number_text(*fell) : "", cell(seen.largest_tilt),
+                              cell(seen.end_tilt), cell(seen.least_gimbal_margin),
+                              cell(seen.largest_torque), cell(seen.largest_holding_moment));
+  } catch (const Error&) {
+    return text + ",impossible,,,,,,\n";
+  }
+}
+
+std::string Experiment::repeat_command(std::int64_t run) const {
+  const Settings chosen = settings(values(run));
+  std::string text = "gyrotwin simulate --rig " + bench_.rig;
+  for (const std::string& setting : chosen.rig) text += fmt::format(" --set '{}'", setting);
+  if (!chosen.start.empty()) text += fmt::format(" --initial {}", fmt::join(chosen.start, ","));
+  if (!bench_.scenario.source.empty()) {
+    text += " --scenario " + bench_.scenario.source;
+    for (const std::string& event : chosen.events) text += fmt::format(" --event {}", event);
+  }
+  return text + fmt::format(" --feedback sampled --duration {}", number_text(bench_.duration));
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,26 @@
+// One page about a sweep.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "clients/sweep/results.hpp"
+
+namespace gyrotwin {
+
+/// What a page says besides the results.
+struct SummaryText {
+  std::string title;                                   ///< "prototype_b in 400 runs"
+  std::string about;                                   ///< what was swept, one line
+  double fall_tilt;                                    ///< of the rig as it is [rad]
+  std::function<std::string(std::size_t run)> repeat;  ///< command that does a run again
+};
+
+/// "812 of 1000 runs stand: 81.2 %, with 95 % confidence 78.7 to 83.5 %".
+std::string standing_sentence(const Results& results);
+
+/// Self-contained HTML: how many stand and how sure that is, where in the swept space, what it
+/// hangs on, and how to see a run again. @pre at least one run
+std::string summary_html(const Results& results, const SummaryText& text);
+
+}  // namespace gyrotwin

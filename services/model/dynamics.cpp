@@ -1,0 +1,62 @@
+#include "services/model/dynamics.hpp"
+
+#include "services/model/forces.hpp"
+
+namespace gyrotwin::model {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// What an added mass does to M and f: as a body of that mass alone.
+template <class S>
+void add_mass(const Machine& machine, const PointMass& added, MotionOf<S>& motion) {
+  const StructurePoint<S> point = structure_point(machine, motion, added.position);
+  for (int i = 0; i < machine.coordinates(); ++i) {
+    const Vector3<S> m_J = added.mass * point.J[i];
+    motion.f[i] -= m_J.dot(point.a0);
+    for (int j = 0; j <= i; ++j) motion.M(i, j) += m_J.dot(point.J[j]);
+  }
+}
+
+}  // namespace
+
+template <class S>
+void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,
+              MotionOf<S>& motion) noexcept {
+  const Vector3d weight(0.0, 0.0, machine.gravity);
+  machine.tree.evaluate(state.q, state.v, state.rotor_speed,
+                        {input.ground_acceleration + weight, input.yaw_rate}, motion);
+  for (const PointMass& added : input.added) {
+    if (added.mass != 0.0) add_mass(machine, added, motion);
+  }
+}
+
+template <class S>
+void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, MotionOf<S>& motion) noexcept {
+  const auto& bodies = tree.bodies();
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    if (bodies[b].rotor_index < 0) continue;
+    const FrameOf<S>& frame = motion.frame[b];
+    const Vector3<S> moment = frame.R * (bodies[b].rotor * rate[bodies[b].rotor_index]);
+    for (int i : tree.angular(b)) motion.f[i] -= frame.Jw[i].dot(moment);
+  }
+}
+
+template <class S>
+CoordinatesOf<S> accelerate(const Machine& machine, const StateOf<S>& state, const Input& input,
+                            const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
+  evaluate(machine, state, input, motion);
+  if (machine.rotor_drive) add_rotor_reactions(machine.tree, rotor_rate, motion);
+  const CoordinatesOf<S> force = motion.f + all_forces(machine, motion, state, input);
+  return solve(motion.M, force, machine.coordinates());
+}
+
+template void evaluate(const Machine&, const State&, const Input&, Motion&) noexcept;
+template void add_rotor_reactions(const Tree&, const RotorSpeeds&, Motion&) noexcept;
+template Coordinates accelerate(const Machine&, const State&, const Input&, const RotorSpeeds&,
+                                Motion&) noexcept;
+template CoordinatesOf<Dual> accelerate(const Machine&, const StateOf<Dual>&, const Input&,
+                                        const RotorSpeeds&, MotionOf<Dual>&) noexcept;
+
+}  // namespace gyrotwin::model

@@ -1,0 +1,23 @@
+// M q'' = f + Q of a machine, put together from its tree and what acts on it. Derivation:
+// README.md, sections 2 and 3.
+#pragma once
+
+#include "services/model/machine.hpp"
+
+namespace gyrotwin::model {
+
+/// M and f with everything but the reaction of rotors that change their speed.
+template <class S>
+void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,
+              MotionOf<S>& motion) noexcept;
+
+/// The moments that change the rotors' speeds are taken from the gyros' frames.
+template <class S>
+void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, MotionOf<S>& motion) noexcept;
+
+/// q'' [rad/s^2], and the motion it came from.
+template <class S>
+CoordinatesOf<S> accelerate(const Machine& machine, const StateOf<S>& state, const Input& input,
+                            const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept;
+
+}  // namespace gyrotwin::model

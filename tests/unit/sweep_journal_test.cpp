@@ -1,0 +1,156 @@
+// A sweep's folder and its crew: what is written, gone on with, and refused.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "clients/sweep/conduct.hpp"
+#include "clients/sweep/results.hpp"
+#include "clients/sweep/summary.hpp"
+#include "services/runtime/error.hpp"
+
+namespace gyrotwin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kHeader = "run,a.b,verdict,fell_at_s,largest_tilt_rad\n";
+
+std::string line_of(std::int64_t run) { return std::to_string(run) + ",1,stands,,0.1\n"; }
+
+class SweepFolder : public ::testing::Test {
+ protected:
+  SweepFolder() : folder_(fs::temp_directory_path() / ("sweep-" + std::to_string(getpid()))) {}
+  ~SweepFolder() override { fs::remove_all(folder_); }
+
+  std::string csv() const {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / "runs.csv").rdbuf();
+    return text.str();
+  }
+  void append(const std::string& text) const {
+    std::ofstream(folder_ / "runs.csv", std::ios::app) << text;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(SweepFolder, LinesComeInTheOrderOfRuns) {
+  Journal journal(folder_, {{"seed", 1}}, kHeader);
+  journal.take(2, line_of(2));
+  journal.take(1, line_of(1));
+  EXPECT_EQ(csv(), kHeader);
+  journal.take(0, line_of(0));
+  EXPECT_EQ(csv(), kHeader + line_of(0) + line_of(1) + line_of(2));
+  EXPECT_EQ(journal.written(), 3);
+}
+
+TEST_F(SweepFolder, GoesOnBehindTheLastWholeLine) {
+  {
+    Journal journal(folder_, {{"seed", 1}}, kHeader);
+    for (int run : {0, 1, 3}) journal.take(run, line_of(run));
+  }
+  append("2,1,sta");  // cut off
+  Journal again(folder_, {{"seed", 1}}, kHeader);
+  EXPECT_EQ(again.written(), 2);
+  again.take(2, line_of(2));
+  EXPECT_EQ(csv(), kHeader + line_of(0) + line_of(1) + line_of(2));
+}
+
+TEST_F(SweepFolder, RefusesWhatIsNotThisSweep) {
+  const auto refused = [&](const nlohmann::json& definition, const std::string& expected) {
+    try {
+      Journal journal(folder_, definition, kHeader);
+      ADD_FAILURE() << expected;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+    }
+  };
+  {
+    Journal journal(folder_, {{"seed", 1}}, kHeader);
+    refused({{"seed", 1}}, "another sweep is writing");
+  }
+  refused({{"seed", 2}}, "differs in `seed`");
+  append("7,1,stands,,0\n");
+  refused({{"seed", 1}}, "the line of run 0 is missing");
+  fs::remove(folder_ / "sweep.json");
+  refused({{"seed", 1}}, "without sweep.json");
+}
+
+TEST_F(SweepFolder, AnyCrewWritesTheSame) {
+  std::string expected = kHeader;
+  for (int run = 0; run < 500; ++run) expected += line_of(run);
+  for (const int workers : {1, 2, 5}) {
+    fs::remove_all(folder_);
+    Journal journal(folder_, {}, kHeader);
+    const auto crew = process_crew(workers, [](std::int64_t run) {
+      if (run % 7 == 0) usleep(500);
+      return line_of(run);
+    });
+    EXPECT_TRUE(conduct(*crew, journal, 500, [](std::int64_t) { return true; }));
+    EXPECT_EQ(csv(), expected) << workers;
+  }
+}
+
+TEST_F(SweepFolder, StopsWhenAskedAndLosesNothing) {
+  Journal journal(folder_, {}, kHeader);
+  const auto crew = process_crew(2, line_of);
+  EXPECT_FALSE(conduct(*crew, journal, 500, [](std::int64_t done) { return done < 100; }));
+  EXPECT_GE(journal.written(), 100);
+  EXPECT_LT(journal.written(), 110);
+  EXPECT_TRUE(conduct(*crew, journal, 500, [](std::int64_t) { return true; }));
+  EXPECT_EQ(journal.written(), 500);
+}
+
+/// A worker that is killed once is replaced; a run that kills every worker ends the sweep, and what
+/// was before it is kept.
+TEST_F(SweepFolder, OutlivesItsWorkers) {
+  const fs::path mark = folder_ / "killed";
+  Journal journal(folder_, {}, kHeader);
+  const auto crew = process_crew(2, [&](std::int64_t run) {
+    if (run == 20 && !fs::exists(mark)) {
+      std::ofstream(mark).put('x');
+      raise(SIGKILL);
+    }
+    if (run == 60) raise(SIGSEGV);
+    return line_of(run);
+  });
+  EXPECT_TRUE(conduct(*crew, journal, 50, [](std::int64_t) { return true; }));
+  try {
+    conduct(*crew, journal, 100, [](std::int64_t) { return true; });
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("run 60 has ended two workers"), std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(journal.written(), 60);
+}
+
+TEST(SweepResults, AreReadBackAndCounted) {
+  const std::string csv =
+      "run,a.b,c.d,verdict,fell_at_s,largest_tilt_rad\n"
+      "0,1,x,stands,,0.1\n"
+      "1,2,x,falls,0.5,0.8\n"
+      "2,2,y,impossible,,\n"
+      "3,1,y,growing,,0.2\n";
+  const Results results = read_results(csv, {parse_variable("a.b=1,2"), parse_variable("c.d=x,y")});
+  ASSERT_EQ(results.runs(), 4u);
+  EXPECT_EQ(results.factors[0].levels(), (std::vector<double>{1, 2}));
+  EXPECT_TRUE(results.factors[1].numbers.empty());
+  EXPECT_EQ(standing_sentence(results),
+            "2 of 3 runs stand: 66.7 %, 1 of them still tilting further at the end");
+  const SummaryText text{"a <rig>", "about", 0.7,
+                         [](std::size_t run) { return "again " + std::to_string(run); }};
+  const std::string page = summary_html(results, text);
+  for (const char* part : {"a &lt;rig&gt;", "again 1", "again 3", "66.7 %", "By c.d", "</html>"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(page, summary_html(results, text));
+}
+
+}  // namespace
+}  // namespace gyrotwin
