@@ -146,7 +146,7 @@ Analysis analyse(const Rig& rig, double duration, int threads) {
   analysis.caution = caution_for(rig, analysis);
   analysis.comparisons = compare_solutions(rig);
   if (filed.standing != Standing::kFalls && filed.undisturbed.outcome.verdict.has_tilt()) {
-    analysis.limits = limits_of(rig, duration / 3.0, threads);
+    analysis.limits = limits_of(rig, filed.push_at, duration / 3.0, threads);
   }
   return analysis;
 }

@@ -16,7 +16,9 @@ namespace gyrotwin {
 namespace {
 
 constexpr double kNoGrowth = 1e-4;  // a growth below it doubles in two hours [1/s]
-constexpr double kPushAt = 0.1;     // [s]
+constexpr double kAtRest = 3.0;     // a deviation has died out after so many e-foldings
+constexpr double kSoonest = 0.1;    // a push comes [s]
+constexpr double kLatest = 10.0;    // [s]
 constexpr double kSurely = 3.0;     // e-foldings that a growing run would have shown
 constexpr double kLongest = 5.0;    // a run is drawn out at most to so many durations
 constexpr double kStayed = 0.5;     // a tilt at the end of that share of the largest stayed
@@ -25,12 +27,18 @@ Trial undisturbed_run(const Rig& rig, const model::Machine& machine, double dura
   return run_trial(rig, machine, live_scenario(rig, machine, duration));
 }
 
-Trial pushed_run(const Rig& rig, const model::Machine& machine, double duration) {
+/// What is still moving when it is pushed may decide the outcome: the push waits for it.
+double push_time(const std::optional<LinearModel>& linear) {
+  const double decay = linear ? -linear->modes.growth : 0.0;
+  return decay > 0.0 ? std::clamp(kAtRest / decay, kSoonest, kLatest) : kSoonest;
+}
+
+Trial pushed_run(const Rig& rig, const model::Machine& machine, double push_at, double duration) {
   AskedEvent push;
   push.kind = event_kind("impulse");
   request_t request = request_of(push, rig, rig.loop.tick_ns());
-  request.start_tick = std::max(std::llround(kPushAt / rig.loop.tick_s()), 1LL);
-  Scenario scenario = live_scenario(rig, machine, duration);
+  request.start_tick = std::max(std::llround(push_at / rig.loop.tick_s()), 1LL);
+  Scenario scenario = live_scenario(rig, machine, push_at + duration);
   scenario.events = {{request, "reference push"}};
   return run_trial(rig, machine, scenario);
 }
@@ -100,7 +108,7 @@ void judge(const Rig& rig, Case& seen) {
     seen.standing = Standing::kDoubtful;
     seen.sentence = fmt::format(
         "stands, but falls {:.3g} s after its reference push of {:g} N m s",
-        seen.pushed->outcome.verdict.fell_at().value_or(seen.pushed->outcome.t) - kPushAt,
+        seen.pushed->outcome.verdict.fell_at().value_or(seen.pushed->outcome.t) - seen.push_at,
         rig.reference_impulse_nms);
     return;
   }
@@ -137,6 +145,7 @@ Case run_case(const Rig& rig, std::string key, std::string name, double duration
   seen.key = std::move(key);
   seen.name = std::move(name);
   seen.linear = linear_model(rig);
+  seen.push_at = push_time(seen.linear);
   seen.undisturbed = undisturbed_run(rig, machine, duration);
   const std::optional<double> growth = growth_of(seen);
   if (seen.undisturbed.stood() && growth && *growth > kNoGrowth) {
@@ -146,7 +155,7 @@ Case run_case(const Rig& rig, std::string key, std::string name, double duration
     }
   }
   if (seen.undisturbed.stood() && rig.reference_impulse_nms > 0.0) {
-    seen.pushed = pushed_run(rig, machine, duration / 3.0);
+    seen.pushed = pushed_run(rig, machine, seen.push_at, duration / 3.0);
   }
   judge(rig, seen);
   return seen;

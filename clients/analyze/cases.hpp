@@ -28,12 +28,13 @@ struct Case {
   Standing standing = Standing::kFalls;
   std::string sentence;         ///< "falls after 0.9 s"
   Trial undisturbed;            ///< from the initial state
+  double push_at = 0.0;         ///< when loads come: it has come to rest by then [s]
   std::optional<Trial> pushed;  ///< with the reference push; absent: there is none, or it fell
   std::optional<LinearModel> linear;
 };
 
 /// Runs the rig as it is, undisturbed for `duration` [s] or, where it departs slowly, longer, and
-/// with its reference push for a third of that.
+/// with its reference push, once it has come to rest, for a third of that.
 Case run_case(const Rig& rig, std::string key, std::string name, double duration);
 
 /// The rig with its drives at rest.

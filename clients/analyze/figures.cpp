@@ -67,7 +67,7 @@ Locus locus_of(const std::vector<Eigen::VectorXcd>& found, const KeyRange& range
     const int begin = part * kLocusSteps / 4;
     const int end = (part + 1) * kLocusSteps / 4;
     Curve curve;
-    curve.name = fmt::format("{:.3g} to {:.3g}", between(range, begin, kLocusSteps),
+    curve.name = fmt::format("{:.4g} to {:.4g}", between(range, begin, kLocusSteps),
                              between(range, end - 1, kLocusSteps));
     curve.style = Curve::Style::kPoints;
     curve.colour = colours[static_cast<std::size_t>(part)];

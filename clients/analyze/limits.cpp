@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kAccuracy = 0.02;  // between standing and falling, as a share
 constexpr int kDoublings = 14;      // up or down from the first guess
-constexpr double kBegin = 0.1;      // when a load comes [s]
 constexpr int kGustSeeds = 3;       // a gust is stood when all of them are
 constexpr double kSettled = 0.25;   // the largest tilt of the last fifth, of the largest of all
 
@@ -36,13 +35,18 @@ void set(AskedEvent& asked, std::string_view name, double value) {
   }
 }
 
-request_t request_for(const Rig& rig, const Load& load, double strength, int seed) {
+/// When a load comes, and how long it is looked at from then on [s].
+struct Span {
+  double begin, duration;
+};
+
+request_t request_for(const Rig& rig, const Load& load, double begin, double strength, int seed) {
   AskedEvent asked;
   asked.kind = event_kind(load.kind);
   set(asked, load.quantity, strength);
   if (load.random) set(asked, "seed", seed);
   request_t request = request_of(asked, rig, rig.loop.tick_ns());
-  request.start_tick = std::max(std::llround(kBegin / rig.loop.tick_s()), 1LL);
+  request.start_tick = std::max(std::llround(begin / rig.loop.tick_s()), 1LL);
   return request;
 }
 
@@ -53,11 +57,11 @@ struct Attempt {
 };
 
 Attempt attempt(const Rig& rig, const model::Machine& machine, const Load& load, double strength,
-                double duration) {
+                const Span& span) {
   Attempt worst{true, 0.0};
   for (int seed = 1; seed <= (load.random ? kGustSeeds : 1); ++seed) {
-    Scenario scenario = live_scenario(rig, machine, duration);
-    scenario.events = {{request_for(rig, load, strength, seed), load.key}};
+    Scenario scenario = live_scenario(rig, machine, span.begin + span.duration);
+    scenario.events = {{request_for(rig, load, span.begin, strength, seed), load.key}};
     const Trial trial = run_trial(rig, machine, scenario);
     worst.largest_tilt = std::max(worst.largest_tilt, trial.largest_tilt);
     const bool calm = !trial.outcome.verdict.growing() ||
@@ -68,11 +72,11 @@ Attempt attempt(const Rig& rig, const model::Machine& machine, const Load& load,
   return worst;
 }
 
-Limit limit_of(const Rig& rig, const model::Machine& machine, const Load& load, double duration) {
+Limit limit_of(const Rig& rig, const model::Machine& machine, const Load& load, const Span& span) {
   Limit limit{load.key, load.meaning, load.unit, 0.0, std::numeric_limits<double>::infinity(),
-              0.0,      duration};
+              0.0,      span.duration};
   const auto tries = [&](double strength) {
-    const Attempt made = attempt(rig, machine, load, strength, duration);
+    const Attempt made = attempt(rig, machine, load, strength, span);
     if (made.stands) {
       limit.stands = strength;
       limit.largest_tilt = made.largest_tilt;
@@ -114,14 +118,14 @@ std::vector<Load> loads_of(const Rig& rig, const model::Machine& machine) {
 
 }  // namespace
 
-std::vector<Limit> limits_of(const Rig& rig, double duration, int threads) {
+std::vector<Limit> limits_of(const Rig& rig, double begin, double duration, int threads) {
   const model::Machine machine = rig.build_machine();
   const std::vector<Load> loads = loads_of(rig, machine);
   std::vector<Limit> limits(loads.size());
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     for (std::size_t i = next++; i < loads.size(); i = next++) {
-      limits[i] = limit_of(rig, machine, loads[i], duration);
+      limits[i] = limit_of(rig, machine, loads[i], {begin, duration});
     }
   };
   std::vector<std::jthread> others;

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <future>
+#include <limits>
 #include <variant>
 
+#include "clients/analyze/recording.hpp"
 #include "clients/common/event.hpp"
 #include "clients/common/tilt.hpp"
 
@@ -15,53 +16,19 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr double kPushAt = 0.5;        // [s]
-constexpr int kSamples = 900;          // of a motion
-constexpr int kStarts = 12;            // of a ring of the portrait
-constexpr double kPortraitTime = 4.0;  // [s]
+constexpr double kLeastGimbalSpan = 1.0;  // of a chart [deg]
+constexpr int kStarts = 12;               // of a ring of the portrait
+constexpr double kPortraitTime = 4.0;     // [s], for what becomes of them
+constexpr double kShown = 6.0;            // drawn of a path, in e-foldings of an unsupported tilt
 
-using Columns = std::vector<std::vector<double>>;
-using Look = std::function<std::vector<double>(const Sample&)>;
-
-/// Some quantities of a run, sampled until its end or until it has lain down.
-class Recording : public Spectator {
- public:
-  Recording(const model::Machine& machine, double fall_tilt, Look look)
-      : machine_(machine), gone_(std::min(1.3 * fall_tilt, 1.4)), look_(std::move(look)) {}
-  void sample(const Sample& sample) override {
-    const std::vector<double> seen = look_(sample);
-    columns.resize(seen.size());
-    for (std::size_t i = 0; i < seen.size(); ++i) columns[i].push_back(seen[i]);
-    lies_ = lies_ || machine_.tilt(sample.state) > gone_;
-  }
-  bool go_on(double /*t*/) override { return !lies_; }
-  Columns columns;
-
- private:
-  const model::Machine& machine_;
-  double gone_;
-  Look look_;
-  bool lies_ = false;
-};
-
-Columns record(const Rig& rig, const model::Machine& machine, Scenario scenario, const Look& look) {
-  const double tick = rig.loop.tick_s();
-  const double wanted = scenario.duration / kSamples;
-  const double sample = std::max(1.0, std::round(wanted / tick)) * tick;
-  scenario.duration = std::max(1.0, std::round(scenario.duration / sample)) * sample;
-  scenario.sample = sample;
-  Recording recording(machine, rig.safety.fall_tilt_rad, look);
-  simulate(rig, machine, scenario, recording);
-  return recording.columns;
-}
-
-Scenario push_scenario(const Rig& rig, const model::Machine& machine, double duration) {
+Scenario push_scenario(const Rig& rig, const model::Machine& machine, double push_at,
+                       double duration) {
   Scenario scenario = live_scenario(rig, machine, duration);
   if (rig.reference_impulse_nms == 0.0) return scenario;
   AskedEvent push;
   push.kind = event_kind("impulse");
   request_t request = request_of(push, rig, rig.loop.tick_ns());
-  request.start_tick = std::max(std::llround(kPushAt / rig.loop.tick_s()), 1LL);
+  request.start_tick = std::max(std::llround(push_at / rig.loop.tick_s()), 1LL);
   scenario.events = {{request, "reference push"}};
   return scenario;
 }
@@ -74,7 +41,7 @@ double response_time(const Analysis& analysis) {
 }
 
 /// t, roll and pitch [deg], disc speed [rad/s], first two gimbals [deg], first two torques [N m].
-Columns response(const Rig& rig, double duration) {
+Columns response(const Rig& rig, double push_at, double duration) {
   const model::Machine machine = rig.build_machine();
   const Look look = [&](const Sample& sample) -> std::vector<double> {
     const model::Observation seen = machine.observe(sample.state);
@@ -89,7 +56,7 @@ Columns response(const Rig& rig, double duration) {
             truth.drive_torque[0],
             truth.drive_torque[1]};
   };
-  return record(rig, machine, push_scenario(rig, machine, duration), look);
+  return record(rig, machine, push_scenario(rig, machine, push_at, duration), look);
 }
 
 Curve curve(std::string name, const Columns& columns, std::size_t y,
@@ -104,6 +71,30 @@ Chart over_time(const std::string& title, double duration, const std::string& qu
   chart.x = {"time [s]", 0.0, duration};
   chart.y.label = quantity;
   return chart;
+}
+
+/// Gives a chart whose curves hardly move a span in which that shows.
+void widen(Chart& chart, double least_span) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Curve& drawn : chart.curves) {
+    for (const double y : drawn.y) {
+      low = std::min(low, y);
+      high = std::max(high, y);
+    }
+  }
+  if (!(high - low < least_span)) return;
+  chart.y.low = 0.5 * (low + high - least_span);
+  chart.y.high = 0.5 * (low + high + least_span);
+}
+
+/// Of an unsupported tilt, e-fold [1/s].
+double toppling_rate(const Rig& rig) {
+  if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
+    const auto r = model::reduce(*umbrella);
+    return std::sqrt(r.U / r.A);
+  }
+  const auto r = model::reduce(std::get<model::GimballedParameters>(rig.machine));
+  return std::sqrt(r.U / r.A);
 }
 
 /// One start of the portrait: where it goes, and whether it stands.
@@ -127,20 +118,17 @@ Path path_from(const Rig& rig, const model::Machine& machine, double tilt, doubl
   const int roll = machine.layout.tilt[0];
   const Columns seen =
       record(rig, machine, scenario, [&](const Sample& sample) -> std::vector<double> {
-        return {degrees(sample.state.q[roll]), degrees(sample.state.v[roll]),
+        return {sample.t, degrees(sample.state.q[roll]), degrees(sample.state.v[roll]),
                 machine.tilt(sample.state)};
       });
-  const double most = *std::ranges::max_element(seen[2]);
-  return {seen[0], seen[1], most > rig.safety.fall_tilt_rad};
-}
-
-double toppling_rate(const Rig& rig) {
-  if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
-    const auto r = model::reduce(*umbrella);
-    return std::sqrt(r.U / r.A);
+  const double most = *std::ranges::max_element(seen[3]);
+  Path path{{}, {}, most > rig.safety.fall_tilt_rad};
+  const double shown = kShown / toppling_rate(rig);
+  for (std::size_t i = 0; i < seen[0].size() && seen[0][i] <= shown; ++i) {
+    path.tilt.push_back(seen[1][i]);
+    path.rate.push_back(seen[2][i]);
   }
-  const auto r = model::reduce(std::get<model::GimballedParameters>(rig.machine));
-  return std::sqrt(r.U / r.A);
+  return path;
 }
 
 /// V_eff [J] over the tilt, zero upright.
@@ -180,16 +168,18 @@ std::vector<Potential> potentials_of(const Rig& rig) {
 }  // namespace
 
 std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& analysis) {
-  const double duration = response_time(analysis);
+  const double push_at = analysis.as_filed().push_at;
+  const double duration = push_at + response_time(analysis);
   const bool driven = rig.controller.law != LawKind::kNone;
-  auto undriven = std::async(
-      std::launch::async, [&] { return driven ? response(left_alone(rig), duration) : Columns{}; });
-  const Columns with_law = response(rig, duration);
+  auto undriven = std::async(std::launch::async, [&] {
+    return driven ? response(left_alone(rig), push_at, duration) : Columns{};
+  });
+  const Columns with_law = response(rig, push_at, duration);
   const Columns alone = undriven.get();
   const model::Layout layout = rig.build_machine().layout;
   const std::string what = rig.reference_impulse_nms > 0.0
-                               ? fmt::format("a push of {:g} N m s in roll at {:g} s",
-                                             rig.reference_impulse_nms, kPushAt)
+                               ? fmt::format("a push of {:g} N m s in roll at {:.3g} s",
+                                             rig.reference_impulse_nms, push_at)
                                : std::string("its initial state");
   std::vector<CaptionedChart> charts;
   if (layout.tilts() > 0) {
@@ -217,6 +207,7 @@ std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& anal
   if (layout.disc == model::kFixed && layout.tilts() > 1) {
     gimbals.curves.push_back(curve("second pair", with_law, 5));
   }
+  widen(gimbals, kLeastGimbalSpan);
   charts.push_back(
       {gimbals, "How far the gyros turn; their stops are the end of what they can take."});
   if (driven) {
@@ -256,9 +247,14 @@ std::optional<CaptionedChart> phase_portrait(const Rig& rig, int threads) {
   for (auto& lane : running) lane.get();
 
   const double reach = degrees(1.15 * fall);
+  double fastest = reach * rate;
+  for (const Path& path : paths) {
+    if (path.falls) continue;  // in the end it is as fast as it likes
+    for (const double v : path.rate) fastest = std::max(fastest, 1.05 * std::abs(v));
+  }
   Chart chart{"Phase portrait in roll",
               {"tilt [deg]", -reach, reach},
-              {"tilt rate [deg/s]", -reach * rate * 1.4, reach * rate * 1.4},
+              {"tilt rate [deg/s]", -fastest, fastest},
               {},
               {{Rule::Direction::kVertical, degrees(fall), "fallen"},
                {Rule::Direction::kVertical, -degrees(fall), "fallen"}}};
@@ -280,8 +276,8 @@ std::optional<CaptionedChart> phase_portrait(const Rig& rig, int threads) {
   }
   chart.curves.push_back(starts_at);
   return CaptionedChart{chart,
-                        fmt::format("Full model under its law for {:g} s, from starts on two "
-                                    "rings: which come back, and how.",
+                        fmt::format("Full model under its law from starts on two rings: which "
+                                    "still stand after {:g} s, and how they begin.",
                                     kPortraitTime)};
 }
 

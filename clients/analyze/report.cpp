@@ -34,11 +34,7 @@ void add_cases(const Analysis& analysis, Page& page) {
   Rows rows;
   std::vector<Tone> tones;
   for (const Case& seen : analysis.cases) {
-    const std::string pushed = !seen.pushed ? ""
-                                            : fmt::format("{}, tilt at most {:.3g} deg",
-                                                          seen.pushed->stood() ? "stands" : "falls",
-                                                          degrees(seen.pushed->largest_tilt));
-    rows.push_back({word_for(seen.standing), seen.name, seen.sentence, pushed,
+    rows.push_back({word_for(seen.standing), seen.name, seen.sentence, push_words(seen),
                     seen.linear ? four(seen.linear->modes.growth) : ""});
     tones.push_back(tone_of(seen.standing));
   }

@@ -25,11 +25,7 @@ std::string factor(double margin) {
 
 std::string told(const Case& seen) {
   std::string text = fmt::format("  {}\n    {}\n", seen.name, seen.sentence);
-  if (seen.pushed) {
-    text +=
-        fmt::format("    with its reference push: {}, tilt at most {:.3g} deg\n",
-                    seen.pushed->stood() ? "stands" : "falls", degrees(seen.pushed->largest_tilt));
-  }
+  if (seen.pushed) text += fmt::format("    with its reference push: {}\n", push_words(seen));
   if (!seen.linear) return text + "    no steady motion to linearise about\n";
   const Modes& modes = seen.linear->modes;
   text += "    eigenvalues [1/s]: " + listed_rates(modes.eigenvalues) + "\n";
@@ -138,6 +134,7 @@ Json case_json(const Case& seen) {
           {"standing", word_for(seen.standing)},
           {"sentence", seen.sentence},
           {"undisturbed", trial_json(seen.undisturbed)},
+          {"push_at_s", seen.push_at},
           {"pushed", seen.pushed ? trial_json(*seen.pushed) : Json(nullptr)},
           {"linear", seen.linear ? linear_json(*seen.linear) : Json(nullptr)}};
 }
@@ -177,6 +174,15 @@ Json theory_json(const Theory& theory) {
 
 std::string with_unit(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::string push_words(const Case& seen) {
+  if (!seen.pushed) return "";
+  std::string text = seen.pushed->stood() ? "stands" : "falls";
+  if (seen.pushed->outcome.verdict.has_tilt()) {
+    text += fmt::format(", tilt at most {:.3g} deg", degrees(seen.pushed->largest_tilt));
+  }
+  return text + fmt::format(" (at {:.3g} s)", seen.push_at);
 }
 
 std::string listed_rates(const Eigen::VectorXcd& eigenvalues) {

@@ -15,6 +15,10 @@ std::string text_of(const Rig& rig, const Analysis& analysis);
 /// finite is null.
 nlohmann::ordered_json json_of(const Rig& rig, const Analysis& analysis);
 
+/// "stands, tilt at most 4.4 deg (at 1.4 s)": what the reference push did; empty where there was
+/// none.
+std::string push_words(const Case& seen);
+
 /// "-0.41", "-3.2+-139.5i": each pair once.
 std::string listed_rates(const Eigen::VectorXcd& eigenvalues);
 
