@@ -32,7 +32,11 @@ struct Dual {
   constexpr friend Dual operator-(const Dual& a) { return {-a.value, -a.slope}; }
 
   constexpr friend bool operator==(const Dual& a, const Dual& b) { return a.value == b.value; }
-  constexpr friend auto operator<=>(const Dual& a, const Dual& b) { return a.value <=> b.value; }
+  constexpr friend bool operator!=(const Dual& a, const Dual& b) { return a.value != b.value; }
+  constexpr friend bool operator<(const Dual& a, const Dual& b) { return a.value < b.value; }
+  constexpr friend bool operator>(const Dual& a, const Dual& b) { return a.value > b.value; }
+  constexpr friend bool operator<=(const Dual& a, const Dual& b) { return a.value <= b.value; }
+  constexpr friend bool operator>=(const Dual& a, const Dual& b) { return a.value >= b.value; }
 
   friend Dual sin(const Dual& a) { return {std::sin(a.value), a.slope * std::cos(a.value)}; }
   friend Dual cos(const Dual& a) { return {std::cos(a.value), -a.slope * std::sin(a.value)}; }

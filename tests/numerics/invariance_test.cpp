@@ -1,10 +1,9 @@
-// What must not change: with the numbering of the gyros, between roll and pitch, through
-// observation and back; and the contracts of the model's parts.
+// What must not change: with the numbering of the gyros, between roll and pitch, with the parents
+// of bodies, in a turned world, through observation and back.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
-#include <stdexcept>
 
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random_machine.hpp"
@@ -16,8 +15,6 @@ namespace {
 using model::Axis;
 using model::Body;
 using model::Coordinates;
-using model::Drive;
-using model::DriveMode;
 using model::Input;
 using model::Machine;
 using model::Mount;
@@ -72,6 +69,106 @@ TEST(Invariance, RollAndPitchAreAlike) {
   }
 }
 
+/// A body that turns against its parent turns against its parent's parent by the rotations of both.
+std::vector<Body> against_grandparents(std::vector<Body> bodies) {
+  for (std::size_t b = bodies.size(); b-- > 0;) {
+    if (bodies[b].orientation_parent == model::kGround) continue;
+    const Body& parent = bodies[static_cast<std::size_t>(bodies[b].orientation_parent)];
+    std::vector<model::Rotation> rotations = parent.rotations;
+    rotations.insert(rotations.end(), bodies[b].rotations.begin(), bodies[b].rotations.end());
+    if (rotations.size() > 4) continue;
+    bodies[b].orientation_parent = parent.orientation_parent;
+    bodies[b].rotations = rotations;
+  }
+  return bodies;
+}
+
+/// A pivot that is its neighbour's pivot may as well be carried by the neighbour.
+std::vector<Body> carried_by_neighbours(std::vector<Body> bodies) {
+  for (std::size_t b = 1; b < bodies.size(); ++b) {
+    const Body& before = bodies[b - 1];
+    if (bodies[b].position_parent != before.position_parent || bodies[b].pivot != before.pivot) {
+      continue;
+    }
+    bodies[b].position_parent = static_cast<int>(b) - 1;
+    bodies[b].pivot.setZero();
+  }
+  return bodies;
+}
+
+/// Whose child a body is said to be is bookkeeping.
+TEST(Invariance, ParentsAreBookkeeping) {
+  Random random(2);
+  double worst = 0.0;
+  int turned = 0, carried = 0;
+  for (int i = 0; i < 50; ++i) {
+    for (const Machine& machine : random.machines()) {
+      const std::vector<Body>& bodies = machine.tree.bodies();
+      const State state = random.state(machine, 1.0, 3.0);
+      const Input input = random.input();
+      const Coordinates a = machine.acceleration(state, input);
+      for (const auto& other : {against_grandparents(bodies), carried_by_neighbours(bodies)}) {
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+          turned += other[b].orientation_parent != bodies[b].orientation_parent;
+          carried += other[b].position_parent != bodies[b].position_parent;
+        }
+        Machine same = machine;
+        same.tree = Tree(other, machine.coordinates());
+        worst = std::max(worst, (same.acceleration(state, input) - a).cwiseAbs().maxCoeff() /
+                                    a.cwiseAbs().maxCoeff());
+      }
+    }
+  }
+  EXPECT_GT(turned, 500);
+  EXPECT_GT(carried, 100);
+  EXPECT_LT(worst, 1e-14);  // measured 0: the same operations
+}
+
+/// All that stands in the world turned about one of its axes: machine, weight, loads, load cell.
+TEST(Invariance, WorldMayBeTurned) {
+  Random random(3);
+  double worst_a = 0.0, worst_L = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    for (const Machine& machine : random.machines()) {
+      const Axis axis = static_cast<Axis>(i % 3);
+      const double angle = random.between(-3.0, 3.0);
+      const Eigen::Matrix3d R =
+          Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(i % 3)).toRotationMatrix();
+      std::vector<Body> bodies = machine.tree.bodies();
+      for (Body& body : bodies) {
+        if (body.orientation_parent != model::kGround) continue;
+        body.rotations.insert(body.rotations.begin(), {axis, model::kFixed, 1.0, angle});
+      }
+      Machine turned = machine;
+      turned.tree = Tree(bodies, machine.coordinates());
+      // The cell reads from where its point is in the upright machine, which is not turned.
+      model::LoadCell& cell = *turned.load_cell;
+      const Eigen::Vector3d along = R * cell.direction;
+      cell.rest += (cell.direction - along).dot(cell.point);
+      cell.direction = along;
+
+      const State state = random.state(machine, 1.0, 3.0);
+      Input input = random.input();
+      input.yaw_rate = 0.0;  // is about z wherever the machine lies
+      Input turned_input = input;
+      turned_input.force = R * input.force;
+      turned_input.moment = R * input.moment;
+      const Eigen::Vector3d weight(0, 0, machine.gravity);
+      turned_input.ground_acceleration = R * (input.ground_acceleration + weight) - weight;
+
+      const Coordinates a = machine.acceleration(state, input);
+      worst_a =
+          std::max(worst_a, (turned.acceleration(state, turned_input) - a).cwiseAbs().maxCoeff() /
+                                a.cwiseAbs().maxCoeff());
+      const Eigen::Vector3d L = R * machine.truth(state, input).angular_momentum;
+      worst_L = std::max(
+          worst_L, (turned.truth(state, turned_input).angular_momentum - L).norm() / L.norm());
+    }
+  }
+  EXPECT_LT(worst_a, 1e-11);  // measured 8.2e-14
+  EXPECT_LT(worst_L, 1e-12);  // measured 1.2e-15
+}
+
 TEST(Invariance, ObservationTellsTheState) {
   Random random(2);
   for (const Machine& machine : random.machines()) {
@@ -119,97 +216,6 @@ TEST(Invariance, SingularIsNotFinite) {
   body.rotations = {{Axis::kX, 0}};
   Machine machine{Tree({body}, 1), {}};
   EXPECT_FALSE(machine.acceleration(machine.state({0.1}, {}), {}).allFinite());
-}
-
-std::string refusal(std::vector<Body> bodies, int coordinates) {
-  try {
-    const Tree tree(std::move(bodies), coordinates);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
-TEST(TreeContract, RefusesWhatItCannotHold) {
-  const Body plain;
-  EXPECT_EQ(refusal({plain}, 1), "");
-  EXPECT_EQ(refusal({plain}, 0), "tree: 1 to 6 coordinates");
-  EXPECT_EQ(refusal({plain}, 7), "tree: 1 to 6 coordinates");
-  EXPECT_EQ(refusal(std::vector<Body>(7), 1), "tree: at most 6 bodies");
-  Body body;
-  body.position_parent = 1;
-  EXPECT_EQ(refusal({plain, body}, 1), "tree: body 1: parents must come first");
-  body = plain;
-  body.orientation_parent = 0;
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: parents must come first");
-  body = plain;
-  body.rotations.assign(5, {Axis::kX, 0});
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: at most 4 rotations");
-  body.rotations = {{Axis::kX, 1}};
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: no such coordinate");
-  body = plain;
-  body.rotor_index = 4;
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: no such rotor");
-}
-
-TEST(BuilderContract, UmbrellaHasThreeOrFourGyros) {
-  auto p = reference::umbrella("prototype_b");
-  for (int count : {2, 5}) {
-    p.gyros.count = count;
-    EXPECT_THROW(model::build(p), std::invalid_argument);
-  }
-}
-
-/// Kt G = 0.6 N m/A: numbers that can be followed by hand, exact but for rounding (1e-12).
-TEST(DriveContract, MotorLineBoundsIt) {
-  const Drive drive{Drive::Kind::kDisc, 2, model::Motor{0.05, 12.0, 0.35, 24.0}, 30.0};
-  const double slope = 0.36 / 0.35, stall = 0.6 * 24.0 / 0.35;  // 41.1 N m, above the limit
-  EXPECT_EQ(drive.range(0.0)[0], -30.0);
-  EXPECT_EQ(drive.range(0.0)[1], 30.0);
-  EXPECT_NEAR(drive.range(20.0)[1], stall - 20.0 * slope, 1e-12);
-  EXPECT_EQ(drive.range(20.0)[0], -30.0);
-  EXPECT_NEAR(drive.range(40.0)[1], 0.0, 1e-12);  // no-load speed Vb / (Kt G)
-
-  EXPECT_EQ(drive.torque(DriveMode::kTorque, 5.0, 20.0), 5.0);
-  EXPECT_NEAR(drive.torque(DriveMode::kTorque, 50.0, 20.0), stall - 20.0 * slope, 1e-12);
-  EXPECT_EQ(drive.torque(DriveMode::kTorque, -50.0, 20.0), -30.0);
-  EXPECT_EQ(drive.torque(DriveMode::kIdealTorque, 50.0, 20.0), 50.0);
-
-  // Voltage: beyond the supply it is cut; at 0 V the motor is shorted and brakes.
-  EXPECT_NEAR(drive.torque(DriveMode::kVoltage, 12.0, 5.0), 0.6 * (12.0 - 3.0) / 0.35, 1e-12);
-  EXPECT_NEAR(drive.torque(DriveMode::kVoltage, 99.0, 20.0), stall - 20.0 * slope, 1e-12);
-  EXPECT_NEAR(drive.torque(DriveMode::kVoltage, 0.0, 5.0), -5.0 * slope, 1e-12);
-}
-
-TEST(DriveContract, WithoutMotorTheLimitBoundsIt) {
-  const Drive drive{Drive::Kind::kGimbal, 1, std::nullopt, 3.0};
-  EXPECT_EQ(drive.range(100.0), (std::array{-3.0, 3.0}));
-  EXPECT_EQ(drive.torque(DriveMode::kTorque, 5.0, 100.0), 3.0);
-  EXPECT_EQ(drive.torque(DriveMode::kVoltage, 5.0, 100.0), 0.0);
-}
-
-/// Turning faster than the supply can follow, the motor only brakes: the range excludes 0.
-TEST(DriveContract, OverspeedBrakes) {
-  const Drive drive{Drive::Kind::kDisc, 2, model::Motor{0.05, 12.0, 0.35, 24.0}, 1e9};
-  EXPECT_LT(drive.range(50.0)[1], 0.0);
-  EXPECT_EQ(drive.torque(DriveMode::kTorque, 0.0, 50.0), drive.range(50.0)[1]);
-}
-
-TEST(MachineContract, TruthSaysWhatTheDriveStillCan) {
-  auto p = reference::umbrella("prototype_b");
-  p.drive.torque_limit = 30.0;
-  const Machine machine = model::build(p);
-  Input input;
-  input.drive[0] = -5.0;
-  const model::Truth truth = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
-  EXPECT_EQ(truth.drive_torque[0], -5.0);
-  EXPECT_EQ(truth.drive_margin[0], 25.0);
-
-  // A weak drive: of what it would exert, a share arrives.
-  input.drive_strength[0] = 0.5;
-  const model::Truth weak = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
-  EXPECT_EQ(weak.drive_torque[0], -2.5);
-  EXPECT_EQ(weak.drive_margin[0], 12.5);
 }
 
 }  // namespace

@@ -1,0 +1,111 @@
+// What the model's parts promise: what they refuse, and what bounds a drive.
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "tests/support/reference_data.hpp"
+
+namespace gyrotwin {
+namespace {
+
+using model::Axis;
+using model::Body;
+using model::Drive;
+using model::DriveMode;
+using model::Input;
+using model::Machine;
+using model::Tree;
+
+std::string refusal(std::vector<Body> bodies, int coordinates) {
+  try {
+    const Tree tree(std::move(bodies), coordinates);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TreeContract, RefusesWhatItCannotHold) {
+  const Body plain;
+  EXPECT_EQ(refusal({plain}, 1), "");
+  EXPECT_EQ(refusal({plain}, 0), "tree: 1 to 6 coordinates");
+  EXPECT_EQ(refusal({plain}, 7), "tree: 1 to 6 coordinates");
+  EXPECT_EQ(refusal(std::vector<Body>(7), 1), "tree: at most 6 bodies");
+  Body body;
+  body.position_parent = 1;
+  EXPECT_EQ(refusal({plain, body}, 1), "tree: body 1: parents must come first");
+  body = plain;
+  body.orientation_parent = 0;
+  EXPECT_EQ(refusal({body}, 1), "tree: body 0: parents must come first");
+  body = plain;
+  body.rotations.assign(5, {Axis::kX, 0});
+  EXPECT_EQ(refusal({body}, 1), "tree: body 0: at most 4 rotations");
+  body.rotations = {{Axis::kX, 1}};
+  EXPECT_EQ(refusal({body}, 1), "tree: body 0: no such coordinate");
+  body = plain;
+  body.rotor_index = 4;
+  EXPECT_EQ(refusal({body}, 1), "tree: body 0: no such rotor");
+}
+
+TEST(BuilderContract, UmbrellaHasThreeOrFourGyros) {
+  auto p = reference::umbrella("prototype_b");
+  for (int count : {2, 5}) {
+    p.gyros.count = count;
+    EXPECT_THROW(model::build(p), std::invalid_argument);
+  }
+}
+
+/// Kt G = 0.6 N m/A: numbers that can be followed by hand, exact but for rounding (1e-12).
+TEST(DriveContract, MotorLineBoundsIt) {
+  const Drive drive{Drive::Kind::kDisc, 2, model::Motor{0.05, 12.0, 0.35, 24.0}, 30.0};
+  const double slope = 0.36 / 0.35, stall = 0.6 * 24.0 / 0.35;  // 41.1 N m, above the limit
+  EXPECT_EQ(drive.range(0.0)[0], -30.0);
+  EXPECT_EQ(drive.range(0.0)[1], 30.0);
+  EXPECT_NEAR(drive.range(20.0)[1], stall - 20.0 * slope, 1e-12);
+  EXPECT_EQ(drive.range(20.0)[0], -30.0);
+  EXPECT_NEAR(drive.range(40.0)[1], 0.0, 1e-12);  // no-load speed Vb / (Kt G)
+
+  EXPECT_EQ(drive.torque(DriveMode::kTorque, 5.0, 20.0), 5.0);
+  EXPECT_NEAR(drive.torque(DriveMode::kTorque, 50.0, 20.0), stall - 20.0 * slope, 1e-12);
+  EXPECT_EQ(drive.torque(DriveMode::kTorque, -50.0, 20.0), -30.0);
+  EXPECT_EQ(drive.torque(DriveMode::kIdealTorque, 50.0, 20.0), 50.0);
+
+  // Voltage: beyond the supply it is cut; at 0 V the motor is shorted and brakes.
+  EXPECT_NEAR(drive.torque(DriveMode::kVoltage, 12.0, 5.0), 0.6 * (12.0 - 3.0) / 0.35, 1e-12);
+  EXPECT_NEAR(drive.torque(DriveMode::kVoltage, 99.0, 20.0), stall - 20.0 * slope, 1e-12);
+  EXPECT_NEAR(drive.torque(DriveMode::kVoltage, 0.0, 5.0), -5.0 * slope, 1e-12);
+}
+
+TEST(DriveContract, WithoutMotorTheLimitBoundsIt) {
+  const Drive drive{Drive::Kind::kGimbal, 1, std::nullopt, 3.0};
+  EXPECT_EQ(drive.range(100.0), (std::array{-3.0, 3.0}));
+  EXPECT_EQ(drive.torque(DriveMode::kTorque, 5.0, 100.0), 3.0);
+  EXPECT_EQ(drive.torque(DriveMode::kVoltage, 5.0, 100.0), 0.0);
+}
+
+/// Turning faster than the supply can follow, the motor only brakes: the range excludes 0.
+TEST(DriveContract, OverspeedBrakes) {
+  const Drive drive{Drive::Kind::kDisc, 2, model::Motor{0.05, 12.0, 0.35, 24.0}, 1e9};
+  EXPECT_LT(drive.range(50.0)[1], 0.0);
+  EXPECT_EQ(drive.torque(DriveMode::kTorque, 0.0, 50.0), drive.range(50.0)[1]);
+}
+
+TEST(MachineContract, TruthSaysWhatTheDriveStillCan) {
+  auto p = reference::umbrella("prototype_b");
+  p.drive.torque_limit = 30.0;
+  const Machine machine = model::build(p);
+  Input input;
+  input.drive[0] = -5.0;
+  const model::Truth truth = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
+  EXPECT_EQ(truth.drive_torque[0], -5.0);
+  EXPECT_EQ(truth.drive_margin[0], 25.0);
+
+  // A weak drive: of what it would exert, a share arrives.
+  input.drive_strength[0] = 0.5;
+  const model::Truth weak = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
+  EXPECT_EQ(weak.drive_torque[0], -2.5);
+  EXPECT_EQ(weak.drive_margin[0], 12.5);
+}
+
+}  // namespace
+}  // namespace gyrotwin
