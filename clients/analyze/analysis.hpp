@@ -19,7 +19,8 @@ struct Analysis {
   Theory theory;
   std::vector<Comparison> comparisons;  ///< closed forms against integration
   std::vector<Limit> limits;
-  double duration;  ///< of undisturbed runs, at least [s]
+  double duration;   ///< of undisturbed runs, at least [s]
+  double fall_tilt;  ///< of the rig [rad]
 
   const Case& as_filed() const { return cases.front(); }
 };

@@ -8,56 +8,40 @@
 #include <utility>
 #include <variant>
 
-#include "clients/common/event.hpp"
+#include "clients/analyze/loads.hpp"
 #include "clients/common/tilt.hpp"
+#include "clients/common/time_text.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
-constexpr double kNoGrowth = 1e-4;  // a growth below it doubles in two hours [1/s]
-constexpr double kAtRest = 3.0;     // a deviation has died out after so many e-foldings
-constexpr double kSoonest = 0.1;    // a push comes [s]
-constexpr double kLatest = 10.0;    // [s]
-constexpr double kSurely = 3.0;     // e-foldings that a growing run would have shown
-constexpr double kLongest = 5.0;    // a run is drawn out at most to so many durations
-constexpr double kStayed = 0.5;     // a tilt at the end of that share of the largest stayed
+constexpr double kAtRest = 3.0;   // a deviation has died out after so many e-foldings
+constexpr double kSoonest = 0.1;  // a push comes [s]
+constexpr double kLatest = 10.0;  // [s]
+constexpr double kSurely = 3.0;   // e-foldings that a growing run would have shown
+constexpr double kLongest = 5.0;  // a run is drawn out at most to so many durations
+constexpr double kStayed = 0.5;   // a tilt at the end of that share of the largest stayed
 
 Trial undisturbed_run(const Rig& rig, const model::Machine& machine, double duration) {
   return run_trial(rig, machine, live_scenario(rig, machine, duration));
 }
 
-/// What is still moving when it is pushed may decide the outcome: the push waits for it.
-double push_time(const std::optional<LinearModel>& linear) {
-  const double decay = linear ? -linear->modes.growth : 0.0;
-  return decay > 0.0 ? std::clamp(kAtRest / decay, kSoonest, kLatest) : kSoonest;
-}
-
-Trial pushed_run(const Rig& rig, const model::Machine& machine, double push_at, double duration) {
-  AskedEvent push;
-  push.kind = event_kind("impulse");
-  request_t request = request_of(push, rig, rig.loop.tick_ns());
-  request.start_tick = std::max(std::llround(push_at / rig.loop.tick_s()), 1LL);
-  Scenario scenario = live_scenario(rig, machine, push_at + duration);
-  scenario.events = {{request, "reference push"}};
-  return run_trial(rig, machine, scenario);
-}
-
 /// Growth of small deviations, where that is known for long [1/s].
 std::optional<double> growth_of(const Case& seen) {
-  if (!seen.linear || seen.linear->modes.kink || seen.linear->steady.coasts) return std::nullopt;
-  return seen.linear->modes.growth;
+  return seen.linear ? seen.linear->growth() : std::nullopt;
+}
+
+/// What is still moving when it is pushed may decide the outcome: the push waits for it.
+double push_time(const Case& seen) {
+  const double decay = -growth_of(seen).value_or(0.0);
+  return decay > kNoGrowth ? std::clamp(kAtRest / decay, kSoonest, kLatest) : kSoonest;
 }
 
 /// When a slowly growing tilt passes the fall limit [s].
 double fall_expected(const Rig& rig, const Trial& trial, double growth) {
   const double now = std::max(trial.end_tilt, 1e-6);
   return trial.outcome.t + std::log(rig.safety.fall_tilt_rad / now) / growth;
-}
-
-std::string seconds(double t) {
-  if (t < 100.0) return fmt::format("{:.3g} s", t);
-  return t < 6000.0 ? fmt::format("{:.0f} min", t / 60.0) : fmt::format("{:.0f} h", t / 3600.0);
 }
 
 std::string how_it_ended(const Trial& trial) {
@@ -81,6 +65,8 @@ void judge_without_tilt(Case& seen) {
                   degrees(trial.least_gimbal_margin), sinks ? ", and still closing in" : "");
 }
 
+}  // namespace
+
 void judge(const Rig& rig, Case& seen) {
   const Trial& trial = seen.undisturbed;
   if (!trial.outcome.verdict.has_tilt()) return judge_without_tilt(seen);
@@ -99,8 +85,8 @@ void judge(const Rig& rig, Case& seen) {
     seen.sentence = "stands so far: " + how_it_ended(trial) + ", and growing";
     if (grows) {
       seen.sentence += fmt::format(" by {:.3g} 1/s: it doubles in {} and falls after about {}",
-                                   *growth, seconds(std::numbers::ln2 / *growth),
-                                   seconds(fall_expected(rig, trial, *growth)));
+                                   *growth, time_text(std::numbers::ln2 / *growth),
+                                   time_text(fall_expected(rig, trial, *growth)));
     }
     return;
   }
@@ -123,8 +109,6 @@ void judge(const Rig& rig, Case& seen) {
   }
 }
 
-}  // namespace
-
 std::string word_for(Standing standing) {
   switch (standing) {
     case Standing::kStands:
@@ -145,7 +129,7 @@ Case run_case(const Rig& rig, std::string key, std::string name, double duration
   seen.key = std::move(key);
   seen.name = std::move(name);
   seen.linear = linear_model(rig);
-  seen.push_at = push_time(seen.linear);
+  seen.push_at = push_time(seen);
   seen.undisturbed = undisturbed_run(rig, machine, duration);
   const std::optional<double> growth = growth_of(seen);
   if (seen.undisturbed.stood() && growth && *growth > kNoGrowth) {
@@ -155,7 +139,8 @@ Case run_case(const Rig& rig, std::string key, std::string name, double duration
     }
   }
   if (seen.undisturbed.stood() && rig.reference_impulse_nms > 0.0) {
-    seen.pushed = pushed_run(rig, machine, seen.push_at, duration / 3.0);
+    seen.pushed = run_trial(
+        rig, machine, push_scenario(rig, machine, seen.push_at, seen.push_at + duration / 3.0));
   }
   judge(rig, seen);
   return seen;

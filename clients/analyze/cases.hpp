@@ -26,15 +26,20 @@ struct Case {
   std::string key;   ///< "as_filed", "left_alone", "disc_free"
   std::string name;  ///< "under its law momentum_manager"
   Standing standing = Standing::kFalls;
-  std::string sentence;         ///< "falls after 0.9 s"
-  Trial undisturbed;            ///< from the initial state
-  double push_at = 0.0;         ///< when loads come: it has come to rest by then [s]
+  std::string sentence;  ///< "falls after 0.9 s"
+  Trial undisturbed;     ///< from the initial state
+  /// When loads come: once small deviations have died out, after 10 s at the latest; at once where
+  /// it is not known that they do [s].
+  double push_at = 0.0;
   std::optional<Trial> pushed;  ///< with the reference push; absent: there is none, or it fell
   std::optional<LinearModel> linear;
 };
 
+/// Sets standing and sentence by all the rest.
+void judge(const Rig& rig, Case& seen);
+
 /// Runs the rig as it is, undisturbed for `duration` [s] or, where it departs slowly, longer, and
-/// with its reference push, once it has come to rest, for a third of that.
+/// with its reference push, at push_at, for a third of that.
 Case run_case(const Rig& rig, std::string key, std::string name, double duration);
 
 /// The rig with its drives at rest.

@@ -3,14 +3,13 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <thread>
 #include <variant>
 
 #include "clients/analyze/motions.hpp"
+#include "clients/common/parallel.hpp"
 #include "clients/plot/chart.hpp"
 #include "services/runtime/error.hpp"
 
@@ -23,17 +22,6 @@ constexpr int kLocusSteps = 60;
 constexpr int kMapCells = 28;
 constexpr double kZoom =
     20.0;  // fast modes this much faster than slow ones get a chart of their own
-
-/// body(i) for i < count, shared by threads.
-void for_each(int count, int threads, const std::function<void(int)>& body) {
-  std::atomic<int> next = 0;
-  const auto work = [&] {
-    for (int i = next++; i < count; i = next++) body(i);
-  };
-  std::vector<std::jthread> others;
-  for (int i = 1; i < threads; ++i) others.emplace_back(work);
-  work();
-}
 
 double between(const KeyRange& range, int i, int steps) {
   return range.low + (range.high - range.low) * i / (steps - 1);
@@ -53,7 +41,7 @@ Eigen::VectorXcd eigenvalues_of(const RigFamily& family, const std::vector<std::
   }
 }
 
-/// Points of the locus in thirds of its range, so that its direction shows.
+/// Points of the locus in quarters of its range, so that its direction shows.
 struct Locus {
   std::vector<Curve> curves;
   double slowest = 0.0, fastest = 0.0;  // magnitudes of what moves [1/s]
@@ -90,9 +78,9 @@ Locus locus_of(const std::vector<Eigen::VectorXcd>& found, const KeyRange& range
 void add_locus(const RigFamily& family, const KeyRange& range, int threads,
                std::vector<Figure>& all) {
   std::vector<Eigen::VectorXcd> found(kLocusSteps);
-  for_each(kLocusSteps, threads, [&](int i) {
-    found[static_cast<std::size_t>(i)] =
-        eigenvalues_of(family, {setting(range.key, between(range, i, kLocusSteps))});
+  for_each_index(kLocusSteps, threads, [&](std::size_t i) {
+    const double value = between(range, static_cast<int>(i), kLocusSteps);
+    found[i] = eigenvalues_of(family, {setting(range.key, value)});
   });
   const Locus locus = locus_of(found, range);
   Chart chart{"Root locus over " + range.key,
@@ -126,13 +114,13 @@ void add_map(const RigFamily& family, const Rig& rig, const std::pair<KeyRange, 
     map.xs.push_back(between(across, i, kMapCells));
     map.ys.push_back(between(up, i, kMapCells));
   }
-  map.values.assign(static_cast<std::size_t>(kMapCells) * kMapCells, kNaN);
-  for_each(kMapCells * kMapCells, threads, [&](int cell) {
-    const double x = map.xs[static_cast<std::size_t>(cell % kMapCells)];
-    const double y = map.ys[static_cast<std::size_t>(cell / kMapCells)];
+  map.values.assign(map.xs.size() * map.ys.size(), kNaN);
+  for_each_index(map.values.size(), threads, [&](std::size_t cell) {
+    const double x = map.xs[cell % map.xs.size()];
+    const double y = map.ys[cell / map.xs.size()];
     const Eigen::VectorXcd rates =
         eigenvalues_of(family, {setting(across.key, x), setting(up.key, y)});
-    if (rates.size() > 0) map.values[static_cast<std::size_t>(cell)] = rates[0].real();
+    if (rates.size() > 0) map.values[cell] = rates[0].real();
   });
   all.push_back({svg(map), "The fastest growth of a small deviation of " + rig.name +
                                ": blue dies out and stands, vermilion grows and falls; empty: no "
@@ -163,31 +151,37 @@ KeyRange parse_range(const std::string& text) {
 }
 
 FigureKeys default_keys(const Rig& rig) {
-  const auto around = [](const char* key, double value, double low, double high) {
-    return KeyRange{key, low * value, high * value};
+  using Range = std::optional<KeyRange>;
+  const auto around = [](const char* key, double value, double low, double high) -> Range {
+    if (value == 0.0) return std::nullopt;  // no range about it
+    const auto [least, most] = std::minmax(low * value, high * value);
+    return KeyRange{key, least, most};
   };
-  FigureKeys keys;
+  const auto keys_with = [](const Range& rotors, const Range& other) {
+    FigureKeys keys{rotors, std::nullopt};
+    if (rotors && other) keys.map = {*rotors, *other};
+    return keys;
+  };
+  const char* rotor_key = "gyros.rotor_speed_rad_s";
   if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
-    const KeyRange rotors =
-        around("gyros.rotor_speed_rad_s", umbrella->gyros.rotor_speed, 0.1, 1.6);
-    keys.locus = rotors;
-    keys.map = {rotors,
-                rig.controller.disc_speed
-                    ? around("controller.disc_speed_rad_s", *rig.controller.disc_speed, 0.1, 2.6)
-                    : around("structure.cm_height_m", umbrella->structure.cm_height, 0.5, 1.6)};
-  } else if (const auto* gimballed = std::get_if<model::GimballedParameters>(&rig.machine)) {
-    const KeyRange rotors =
-        around("gyros.rotor_speed_rad_s", gimballed->gyros.rotor_speed, 0.05, 1.6);
-    keys.locus = rotors;
-    keys.map = {rotors, around("structure.mass_kg", gimballed->structure.mass, 0.7, 1.5)};
+    const std::optional<double> speed = rig.controller.disc_speed;
+    return keys_with(
+        around(rotor_key, umbrella->gyros.rotor_speed, 0.1, 1.6),
+        speed.value_or(0.0) != 0.0
+            ? around("controller.disc_speed_rad_s", *speed, 0.1, 2.6)
+            : around("structure.cm_height_m", umbrella->structure.cm_height, 0.5, 1.6));
   }
-  return keys;
+  if (const auto* gimballed = std::get_if<model::GimballedParameters>(&rig.machine)) {
+    return keys_with(around(rotor_key, gimballed->gyros.rotor_speed, 0.05, 1.6),
+                     around("structure.mass_kg", gimballed->structure.mass, 0.7, 1.5));
+  }
+  return {};
 }
 
 std::vector<Figure> figures_of(const Rig& rig, const Analysis& analysis, const RigFamily& family,
                                const FigureKeys& keys, int threads) {
   std::vector<Figure> all;
-  for (const auto& [chart, caption] : response_charts(rig, analysis)) {
+  for (const auto& [chart, caption] : response_charts(rig, analysis, threads)) {
     all.push_back({svg(chart), caption});
   }
   if (const auto portrait = phase_portrait(rig, threads)) {

@@ -32,7 +32,7 @@ struct FigureKeys {
 };
 
 /// Rotor speed for the locus; rotor speed, and disc speed or the height of the centre of mass, for
-/// the map. None where the rig has no steady motion to linearise about.
+/// the map. None where these are 0, or the rig has no such keys.
 FigureKeys default_keys(const Rig& rig);
 
 /// A chart and what to say under it.

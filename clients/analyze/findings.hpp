@@ -2,6 +2,7 @@
 // people.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,26 @@ struct DerivedNumber {
   std::string unit;  ///< "N m s"; empty: a ratio
 };
 
+/// Adds to a list of numbers.
+class Teller {
+ public:
+  explicit Teller(std::vector<DerivedNumber>& all) : all_(all) {}
+  void operator()(const char* key, const char* symbol, const char* meaning, double value,
+                  const char* unit) const {
+    all_.push_back({key, symbol, meaning, value, unit});
+  }
+
+ private:
+  std::vector<DerivedNumber>& all_;
+};
+
+/// What hangs on a condition.
+enum class Role {
+  kDecides,   ///< what it forbids does not come back upright: it falls, or parks tilted
+  kExplains,  ///< a rule of thumb that tells why one that decides fails
+  kAdvises    ///< a limit, or a hint
+};
+
 /// An inequality that decides something, or advises.
 struct Condition {
   std::string key;
@@ -24,18 +45,24 @@ struct Condition {
   double value, required;
   std::string unit;
   bool holds;
-  bool decides;  ///< what it forbids falls; otherwise it is a rule of thumb or a limit
+  Role role;
 
   /// How far it is fulfilled: value / required or its inverse, > 1 where it holds; not finite where
   /// that says nothing (a required 0).
   double margin;
+
+  bool decides() const { return role == Role::kDecides; }
+  /// It compares two numbers; otherwise it is a matter of yes (value 1) or no (0).
+  bool compares() const { return std::isfinite(required); }
 };
 
 /// value > required.
 Condition above(std::string key, std::string claim, std::string meaning, double value,
-                double required, std::string unit, bool decides);
+                double required, std::string unit, Role role);
 /// value < required.
 Condition below(std::string key, std::string claim, std::string meaning, double value,
-                double required, std::string unit, bool decides);
+                double required, std::string unit, Role role);
+/// True or not; it has no margin.
+Condition yes_no(std::string key, std::string claim, std::string meaning, bool holds, Role role);
 
 }  // namespace gyrotwin

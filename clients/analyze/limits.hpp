@@ -1,6 +1,7 @@
 // How much a rig stands, found by bisection on its full model under its own law.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,21 +10,40 @@
 
 namespace gyrotwin {
 
+/// Whether a load is stood, and how far the rig tilts under it.
+struct Attempt {
+  bool stands;
+  double largest_tilt;  ///< [rad]
+};
+
+/// Where standing ends.
+struct Bracket {
+  double stands = 0.0;        ///< the strongest that was seen to stand; 0: none
+  double falls;               ///< the weakest above it that was seen to fall; infinite: none
+  double largest_tilt = 0.0;  ///< at the strongest that stands [rad]
+};
+
+/// Loads are tried in doubling steps, up or down from the first guess, 14 of them at most, and then
+/// halved between, to 2 %.
+/// @param first_guess > 0
+Bracket bracket_of(const std::function<Attempt(double strength)>& attempt, double first_guess);
+
+/// A tilt that still grows at a run's end counts as fallen from this share of the fall limit on;
+/// below it, swings that come and go (as in a gust) may well have their largest one last.
+inline constexpr double kGrowingFalls = 0.25;
+
 /// The strongest load of one kind that it stands.
 struct Limit {
   std::string key;      ///< "impulse_roll"
   std::string meaning;  ///< "impulse about x (roll), over 0.02 s"
   std::string unit;
-  double stands;        ///< the strongest that was seen to stand; 0: none
-  double falls;         ///< the weakest above it that was seen to fall; infinite: none
-  double largest_tilt;  ///< at the strongest that stands [rad]
-  double duration;      ///< of each run, from the load on [s]
+  Bracket bracket;
+  double duration;  ///< of each run, from the load on [s]
 };
 
-/// Impulse, constant moment and gust about x, and about y where the machine has a pitch. A load
-/// that still grows the tilt at the run's end is not stood. Loads are tried in doubling steps from
-/// the rig's reference push and then halved between, to 2 %.
-/// @param begin when the load comes: the rig has come to rest by then [s]
+/// Impulse, constant moment and gust about x, and about y where the machine has a pitch, beginning
+/// with the size of the rig's reference push. A gust is stood when it is for three seeds.
+/// @param begin when the load comes [s]
 /// @param duration of each run from then on [s]
 /// @param threads that share the work
 std::vector<Limit> limits_of(const Rig& rig, double begin, double duration, int threads);

@@ -8,18 +8,16 @@
 #include "clients/analyze/figures.hpp"
 #include "clients/analyze/report.hpp"
 #include "clients/analyze/words.hpp"
-#include "clients/common/mount.hpp"
+#include "clients/common/variation.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
-#include "services/runtime/machine_reader.hpp"
-#include "services/runtime/rig_reader.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
 struct Options {
-  std::string law, mount, track;
+  Variation variation;
   double duration = 60.0;
   int threads = 0;
   bool json = false;
@@ -27,22 +25,8 @@ struct Options {
   std::vector<std::string> map;
 };
 
-template <class Words>
-std::vector<std::string> names_of(const Words& words) {
-  std::vector<std::string> names;
-  for (const auto& word : words) names.emplace_back(word.name);
-  return names;
-}
-
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
-      ->check(one_of(names_of(kLawWords)))
-      ->type_name("NAME");
-  app.add_option("--mount", options.mount,
-                 "How the disc sits on the structure (umbrella platforms)")
-      ->check(one_of(names_of(kMountWords)));
-  app.add_option("--track", options.track, "What the outer axles ride on (umbrella platforms)")
-      ->check(one_of(names_of(kTrackWords)));
+  add_variation(app, options.variation);
   app.add_option("--duration", options.duration,
                  "How long undisturbed runs last [s]; pushes and limits a third of it")
       ->check(finite_within(1.0, 1e5))
@@ -76,8 +60,7 @@ void write_file(const std::string& name, const std::string& text) {
 }
 
 int run(RigOptions& rig_options, const Options& options) {
-  choose_mount(rig_options, options.mount, options.track);
-  if (!options.law.empty()) rig_options.override_key("controller.law=" + options.law);
+  apply(options.variation, rig_options);
   const Rig rig = rig_options.load();
   const RigFamily family = [&](const std::vector<std::string>& more) {
     std::vector<std::string> overrides = rig_options.overrides();

@@ -18,9 +18,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kForgotten = 1e-9;  // an eigenvalue of one tick that is only the command's way
-constexpr double kRounding = 1e-9;   // an imaginary part below that share of the whole is none
-constexpr double kKink = 1e-3;       // slopes that differ by this share are two
+constexpr double kForgotten = 1e-12;  // an eigenvalue of one tick that leaves nothing
+constexpr double kRounding = 1e-9;    // an imaginary part below that share of the whole is none
+constexpr double kKink = 1e-3;        // slopes of a law that differ by this share are two
+constexpr double kCorner = 0.05;      // slopes of a plant likewise: its contact is curved
+constexpr double kAgrees = 1e-4;      // a larger difference from an exact Jacobian is no rounding
 
 /// What the law does about small deviations.
 struct LawSlopes {
@@ -60,8 +62,35 @@ LawSlopes law_slopes(const Loop& loop, const SteadyMotion& steady) {
 /// x' = A x + B u of the plant alone, and how far A is from differences.
 struct PlantSlopes {
   MatrixXd A, B;
-  double difference;
+  double difference = 0.0;
+  bool bends = false;
 };
+
+/// Every column against differences ahead, behind and across: at a corner it is that of one side.
+/// What bends with a rate is a stop's damping, which takes energy on either side.
+void compare_with_differences(const Loop& loop, const model::Machine& machine,
+                              const SteadyMotion& steady, const model::Input& input,
+                              PlantSlopes& plant) {
+  const int n = loop.coordinates();
+  const VectorXd at = loop.pack(steady.state);
+  const auto moved = [&](Eigen::Index i, double step) -> VectorXd {
+    VectorXd x = at;
+    x[i] += step;
+    return machine.acceleration(loop.unpack(x, steady.state), input).head(n);
+  };
+  const VectorXd here = moved(0, 0.0);
+  const double largest = std::max(1.0, plant.A.bottomRows(n).cwiseAbs().maxCoeff());
+  for (Eigen::Index i = 0; i < at.size(); ++i) {
+    const VectorXd ahead = (moved(i, Loop::kStep) - here) / Loop::kStep;
+    const VectorXd behind = (here - moved(i, -Loop::kStep)) / Loop::kStep;
+    const VectorXd across = 0.5 * (ahead + behind);
+    const VectorXd exact = plant.A.col(i).tail(n);
+    const auto off = [&](const VectorXd& x) { return (x - exact).cwiseAbs().maxCoeff() / largest; };
+    plant.difference = std::max(plant.difference, std::min({off(ahead), off(behind), off(across)}));
+    const bool corner = (ahead - across).norm() > kCorner * (1.0 + across.norm());
+    if (corner && i < std::ssize(loop.positions())) plant.bends = true;
+  }
+}
 
 PlantSlopes plant_slopes(const Loop& loop, const model::Machine& machine,
                          const SteadyMotion& steady) {
@@ -73,7 +102,7 @@ PlantSlopes plant_slopes(const Loop& loop, const model::Machine& machine,
   input.drive = steady.torque;
   const model::Linearisation about = model::linearise(machine, steady.state, input);
 
-  PlantSlopes plant{MatrixXd::Zero(p + n, p + n), MatrixXd::Zero(p + n, model::kMaxDrives), 0.0};
+  PlantSlopes plant{MatrixXd::Zero(p + n, p + n), MatrixXd::Zero(p + n, model::kMaxDrives)};
   for (Eigen::Index k = 0; k < p; ++k) {
     plant.A(k, p + positions[static_cast<std::size_t>(k)]) = 1.0;
     plant.A.block(p, k, n, 1) = about.dq.col(positions[static_cast<std::size_t>(k)]).head(n);
@@ -81,13 +110,7 @@ PlantSlopes plant_slopes(const Loop& loop, const model::Machine& machine,
   plant.A.bottomRightCorner(n, n) = about.dv.topLeftCorner(n, n);
   plant.B.bottomRows(n) = about.torque.topRows(n);
 
-  const auto acceleration = [&](const VectorXd& x) -> VectorXd {
-    return machine.acceleration(loop.unpack(x, steady.state), input).head(n);
-  };
-  const MatrixXd differences = slopes(acceleration, loop.pack(steady.state));
-  const MatrixXd analytic = plant.A.bottomRows(n);
-  plant.difference = (analytic - differences).cwiseAbs().maxCoeff() /
-                     std::max(1.0, analytic.cwiseAbs().maxCoeff());
+  compare_with_differences(loop, machine, steady, input, plant);
   return plant;
 }
 
@@ -131,9 +154,13 @@ Eigen::VectorXcd fastest_growing_first(Eigen::VectorXcd values) {
   return values;
 }
 
-Eigen::VectorXcd per_second(const Eigen::VectorXcd& of_one_tick, double tick) {
+/// @param states how many are kept
+Eigen::VectorXcd per_second(Eigen::VectorXcd of_one_tick, Eigen::Index states, double tick) {
+  std::ranges::sort(of_one_tick, std::greater{}, [](const auto& mu) { return std::norm(mu); });
+  const bool cuts_a_pair = states < of_one_tick.size() &&
+                           of_one_tick[states - 1].imag() * of_one_tick[states].imag() < 0.0;
   std::vector<std::complex<double>> rates;
-  for (const std::complex<double>& mu : of_one_tick) {
+  for (const std::complex<double>& mu : of_one_tick.head(states - (cuts_a_pair ? 1 : 0))) {
     if (std::abs(mu) < kForgotten) continue;
     const std::complex<double> rate = std::log(mu) / tick;
     const bool rounding = std::abs(rate.imag()) < kRounding * std::abs(rate);
@@ -152,6 +179,13 @@ std::vector<std::string> state_names(const Loop& loop, const model::Machine& mac
 
 }  // namespace
 
+bool Modes::sound() const { return !law_bends && !plant_bends && difference < kAgrees; }
+
+std::optional<double> LinearModel::growth() const {
+  if (!modes.sound() || steady.coasts || estimated) return std::nullopt;
+  return modes.growth;
+}
+
 Modes modes_about(const Rig& rig, const model::Machine& machine, const Law* law,
                   const SteadyMotion& steady) {
   const Loop loop(machine, law);
@@ -168,13 +202,14 @@ Modes modes_about(const Rig& rig, const model::Machine& machine, const Law* law,
   modes.F.bottomLeftCorner(m, n) = slopes_of_law.z_x;
   modes.F.bottomRightCorner(m, m) = slopes_of_law.z_z;
   modes.difference = plant.difference;
-  modes.kink = slopes_of_law.kink;
+  modes.law_bends = slopes_of_law.kink;
+  modes.plant_bends = plant.bends;
   if (law == nullptr) {
     modes.eigenvalues = fastest_growing_first(modes.F.eigenvalues());
   } else {
     const double tick = rig.loop.tick_s();
     const MatrixXd map = one_tick(plant, slopes_of_law, tick, rig.loop.command_delay_ticks);
-    modes.eigenvalues = fastest_growing_first(per_second(map.eigenvalues(), tick));
+    modes.eigenvalues = fastest_growing_first(per_second(map.eigenvalues(), n + m, tick));
   }
   modes.growth = modes.eigenvalues.size() > 0 ? modes.eigenvalues[0].real() : 0.0;
   return modes;
@@ -185,6 +220,7 @@ std::optional<LinearModel> linear_model(const Rig& rig) {
   const model::Machine machine = rig.build_machine();
   const std::unique_ptr<Law> law = make_law(rig);
   LinearModel linear{steady_motion(rig, machine, law.get()), {}};
+  linear.estimated = law != nullptr && rig.loop.state == StateSource::kEstimate;
   if (!linear.steady.found) return std::nullopt;
   linear.modes = modes_about(rig, machine, law.get(), linear.steady);
   return linear;

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <variant>
 
+#include "clients/analyze/loads.hpp"
 #include "clients/analyze/recording.hpp"
-#include "clients/common/event.hpp"
+#include "clients/common/parallel.hpp"
 #include "clients/common/tilt.hpp"
 
 namespace gyrotwin {
@@ -21,22 +21,10 @@ constexpr int kStarts = 12;               // of a ring of the portrait
 constexpr double kPortraitTime = 4.0;     // [s], for what becomes of them
 constexpr double kShown = 6.0;            // drawn of a path, in e-foldings of an unsupported tilt
 
-Scenario push_scenario(const Rig& rig, const model::Machine& machine, double push_at,
-                       double duration) {
-  Scenario scenario = live_scenario(rig, machine, duration);
-  if (rig.reference_impulse_nms == 0.0) return scenario;
-  AskedEvent push;
-  push.kind = event_kind("impulse");
-  request_t request = request_of(push, rig, rig.loop.tick_ns());
-  request.start_tick = std::max(std::llround(push_at / rig.loop.tick_s()), 1LL);
-  scenario.events = {{request, "reference push"}};
-  return scenario;
-}
-
 /// Long enough to see the slow motion come to rest.
 double response_time(const Analysis& analysis) {
   const auto& linear = analysis.as_filed().linear;
-  if (!linear || linear->modes.growth >= 0.0) return 6.0;
+  if (!linear || linear->modes.growth >= -kNoGrowth) return 6.0;
   return std::clamp(-5.0 / linear->modes.growth, 4.0, 20.0);
 }
 
@@ -87,14 +75,62 @@ void widen(Chart& chart, double least_span) {
   chart.y.high = 0.5 * (low + high + least_span);
 }
 
-/// Of an unsupported tilt, e-fold [1/s].
+/// Under the law, and (empty: the same) with the drives left alone.
+struct Responses {
+  Columns with_law, alone;
+  double duration;  // [s]
+  model::Layout layout;
+
+  bool second_axis() const { return layout.disc == model::kFixed && layout.tilts() > 1; }
+};
+
+CaptionedChart tilt_chart(const Responses& seen, const std::string& what) {
+  Chart tilt = over_time("Tilt after the reference push", seen.duration, "tilt [deg]");
+  tilt.curves.push_back(curve("roll", seen.with_law, 1));
+  if (seen.layout.tilts() > 1) tilt.curves.push_back(curve("pitch", seen.with_law, 2));
+  const bool driven = !seen.alone.empty();
+  if (driven) {
+    tilt.curves.push_back(
+        curve("roll, drives left alone", seen.alone, 1, Curve::Style::kDashed, 6));
+  }
+  // What falls would flatten what stands.
+  const double most = std::ranges::max(seen.with_law[1], {}, [](double x) { return std::abs(x); });
+  const double reach = std::max(2.0, 1.6 * std::abs(most));
+  tilt.y.low = -reach;
+  tilt.y.high = reach;
+  return {tilt, "Full model from the initial state, with " + what +
+                    (driven ? "; dashed, the same with the drives left alone." : ".")};
+}
+
+CaptionedChart disc_chart(const Responses& seen) {
+  Chart disc = over_time("Disc speed", seen.duration, "disc speed [rad/s]");
+  disc.curves.push_back(curve("disc", seen.with_law, 3));
+  return {disc, "The tilt rate throws the disc about; the drive only steers its mean."};
+}
+
+CaptionedChart gimbal_chart(const Responses& seen) {
+  Chart gimbals = over_time("Gimbal angles", seen.duration, "gimbal [deg]");
+  gimbals.curves.push_back(curve("first", seen.with_law, 4));
+  if (seen.second_axis()) gimbals.curves.push_back(curve("second pair", seen.with_law, 5));
+  widen(gimbals, kLeastGimbalSpan);
+  return {gimbals, "How far the gyros turn; their stops are the end of what they can take."};
+}
+
+CaptionedChart torque_chart(const Responses& seen) {
+  Chart torque = over_time("Drive torque", seen.duration, "torque [N m]");
+  torque.curves.push_back(curve("first drive", seen.with_law, 6));
+  if (seen.second_axis()) torque.curves.push_back(curve("second drive", seen.with_law, 7));
+  return {torque, "What the law gets of its drives, within their limits."};
+}
+
+/// Of an unsupported tilt, e-fold; of one that hangs, its swing [1/s].
 double toppling_rate(const Rig& rig) {
   if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
     const auto r = model::reduce(*umbrella);
-    return std::sqrt(r.U / r.A);
+    return std::sqrt(std::abs(r.U) / r.A);
   }
   const auto r = model::reduce(std::get<model::GimballedParameters>(rig.machine));
-  return std::sqrt(r.U / r.A);
+  return std::sqrt(std::abs(r.U) / r.A);
 }
 
 /// One start of the portrait: where it goes, and whether it stands.
@@ -142,7 +178,8 @@ std::vector<Potential> potentials_of(const Rig& rig) {
   if (const auto* p = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
     const auto r = model::reduce(*p);
     const double tg0 = p->gyros.ring_elevation;
-    const double working = r.C * rig.controller.disc_speed.value_or(1.0);
+    // Towards where it presses the axles down.
+    const double working = std::copysign(r.C * rig.controller.disc_speed.value_or(1.0), -r.Nh);
     const auto with = [=](double momentum) {
       return [=](double tilt) {
         const double turned = r.Nh * (std::sin(tg0 + r.k * std::abs(tilt)) - std::sin(tg0));
@@ -153,8 +190,8 @@ std::vector<Potential> potentials_of(const Rig& rig) {
     all.push_back({"weight alone", [=](double tilt) { return r.U * (std::cos(tilt) - 1.0); }});
     all.push_back({"disc at rest upright, p = 0", with(0.0)});
     all.push_back(
-        {fmt::format("disc pressing the axles down, p = {:.2g}", -working), with(-working)});
-    all.push_back({fmt::format("disc lifting them, p = {:.2g}", working), with(working)});
+        {fmt::format("disc pressing the axles down, p = {:.2g}", working), with(working)});
+    all.push_back({fmt::format("disc lifting them, p = {:.2g}", -working), with(-working)});
     return all;
   }
   const auto r = model::reduce(std::get<model::GimballedParameters>(rig.machine));
@@ -167,57 +204,24 @@ std::vector<Potential> potentials_of(const Rig& rig) {
 
 }  // namespace
 
-std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& analysis) {
+std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& analysis, int threads) {
   const double push_at = analysis.as_filed().push_at;
   const double duration = push_at + response_time(analysis);
   const bool driven = rig.controller.law != LawKind::kNone;
-  auto undriven = std::async(std::launch::async, [&] {
-    return driven ? response(left_alone(rig), push_at, duration) : Columns{};
+  Responses seen{{}, {}, duration, rig.build_machine().layout};
+  for_each_index(driven ? 2 : 1, threads, [&](std::size_t i) {
+    (i == 0 ? seen.with_law : seen.alone) =
+        response(i == 0 ? rig : left_alone(rig), push_at, duration);
   });
-  const Columns with_law = response(rig, push_at, duration);
-  const Columns alone = undriven.get();
-  const model::Layout layout = rig.build_machine().layout;
   const std::string what = rig.reference_impulse_nms > 0.0
                                ? fmt::format("a push of {:g} N m s in roll at {:.3g} s",
                                              rig.reference_impulse_nms, push_at)
                                : std::string("its initial state");
   std::vector<CaptionedChart> charts;
-  if (layout.tilts() > 0) {
-    Chart tilt = over_time("Tilt after the reference push", duration, "tilt [deg]");
-    tilt.curves.push_back(curve("roll", with_law, 1));
-    if (layout.tilts() > 1) tilt.curves.push_back(curve("pitch", with_law, 2));
-    if (driven)
-      tilt.curves.push_back(curve("roll, drives left alone", alone, 1, Curve::Style::kDashed, 6));
-    // What falls would flatten what stands.
-    const double most = std::ranges::max(with_law[1], {}, [](double x) { return std::abs(x); });
-    const double reach = std::max(2.0, 1.6 * std::abs(most));
-    tilt.y.low = -reach;
-    tilt.y.high = reach;
-    charts.push_back({tilt, "Full model from the initial state, with " + what +
-                                (driven ? "; dashed, the same with the drives left alone." : ".")});
-  }
-  if (layout.disc != model::kFixed) {
-    Chart disc = over_time("Disc speed", duration, "disc speed [rad/s]");
-    disc.curves.push_back(curve("disc", with_law, 3));
-    charts.push_back(
-        {disc, "The tilt rate throws the disc about; the drive only steers its mean."});
-  }
-  Chart gimbals = over_time("Gimbal angles", duration, "gimbal [deg]");
-  gimbals.curves.push_back(curve("first", with_law, 4));
-  if (layout.disc == model::kFixed && layout.tilts() > 1) {
-    gimbals.curves.push_back(curve("second pair", with_law, 5));
-  }
-  widen(gimbals, kLeastGimbalSpan);
-  charts.push_back(
-      {gimbals, "How far the gyros turn; their stops are the end of what they can take."});
-  if (driven) {
-    Chart torque = over_time("Drive torque", duration, "torque [N m]");
-    torque.curves.push_back(curve("first drive", with_law, 6));
-    if (layout.disc == model::kFixed && layout.tilts() > 1) {
-      torque.curves.push_back(curve("second drive", with_law, 7));
-    }
-    charts.push_back({torque, "What the law gets of its drives, within their limits."});
-  }
+  if (seen.layout.tilts() > 0) charts.push_back(tilt_chart(seen, what));
+  if (seen.layout.disc != model::kFixed) charts.push_back(disc_chart(seen));
+  charts.push_back(gimbal_chart(seen));
+  if (driven) charts.push_back(torque_chart(seen));
   return charts;
 }
 
@@ -235,16 +239,9 @@ std::optional<CaptionedChart> phase_portrait(const Rig& rig, int threads) {
     }
   }
   std::vector<Path> paths(starts.size());
-  std::vector<std::future<void>> running;
-  const auto lanes = static_cast<std::size_t>(std::max(threads, 1));
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    running.push_back(std::async(std::launch::async, [&, lane] {
-      for (std::size_t i = lane; i < starts.size(); i += lanes) {
-        paths[i] = path_from(rig, machine, starts[i].first, starts[i].second);
-      }
-    }));
-  }
-  for (auto& lane : running) lane.get();
+  for_each_index(starts.size(), threads, [&](std::size_t i) {
+    paths[i] = path_from(rig, machine, starts[i].first, starts[i].second);
+  });
 
   const double reach = degrees(1.15 * fall);
   double fastest = reach * rate;
@@ -309,7 +306,8 @@ std::optional<CaptionedChart> amended_potential(const Rig& rig) {
       chart,
       umbrella
           ? "What tilt moves in when nothing drives the disc, nothing rubs, and the disc is held "
-            "level: p = C Omega + N h sin tg stays what it is [N m s]. A valley at 0 stands; with "
+            "level: p = C Omega + N h (sin tg - sin tg0) stays what it is [N m s]. A valley at 0 "
+            "stands; with "
             "p > 0 there are two, and it parks tilted."
           : "What tilt moves in when the gimbals are left alone, without friction and for small "
             "turns: p = J q' + H theta stays what it is. A valley stands as long as nothing rubs; "

@@ -19,7 +19,7 @@ struct CaptionedChart {
 
 /// Tilt, disc speed or gimbal angles, and drive torques after the reference push, under the law and
 /// with the drives left alone.
-std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& analysis);
+std::vector<CaptionedChart> response_charts(const Rig& rig, const Analysis& analysis, int threads);
 
 /// Tilt rate over tilt from a ring of starts in roll; none without a tilt.
 std::optional<CaptionedChart> phase_portrait(const Rig& rig, int threads);

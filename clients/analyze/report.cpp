@@ -1,6 +1,7 @@
 #include "clients/analyze/report.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,10 +49,10 @@ void add_conditions(const Theory& theory, Page& page) {
   Rows rows;
   std::vector<Tone> tones;
   for (const Condition& c : theory.conditions) {
-    rows.push_back({c.holds ? "holds" : "fails", c.claim, c.meaning, four(c.value),
-                    four(c.required), c.unit,
+    rows.push_back({c.holds ? "holds" : "fails", c.claim, c.meaning,
+                    c.compares() ? four(c.value) : "", four(c.required), c.unit,
                     std::isfinite(c.margin) ? fmt::format("x {:.3g}", c.margin) : ""});
-    tones.push_back(c.holds ? Tone::kGood : c.decides ? Tone::kBad : Tone::kDoubtful);
+    tones.push_back(c.holds ? Tone::kGood : c.decides() ? Tone::kBad : Tone::kDoubtful);
   }
   page.table({"", "condition", "what it means", "value", "against", "unit", "margin"}, rows, tones);
 }
@@ -61,13 +62,13 @@ void add_limits(const Analysis& analysis, Page& page) {
   page.heading("What it takes");
   page.paragraph(fmt::format(
       "The strongest load of each kind that the full model stands under its law, by bisection; "
-      "each "
-      "run lasts {:.3g} s, and a tilt that still grows at its end does not count as standing.",
-      analysis.limits.front().duration));
+      "each run lasts {:.3g} s. A tilt beyond {:.3g} deg that still grows at the end does not "
+      "count as standing.",
+      analysis.limits.front().duration, degrees(kGrowingFalls * analysis.fall_tilt)));
   Rows rows;
   for (const Limit& limit : analysis.limits) {
-    rows.push_back({limit.meaning, four(limit.stands), four(limit.falls), limit.unit,
-                    fmt::format("{:.3g}", degrees(limit.largest_tilt))});
+    rows.push_back({limit.meaning, four(limit.bracket.stands), four(limit.bracket.falls),
+                    limit.unit, fmt::format("{:.3g}", degrees(limit.bracket.largest_tilt))});
   }
   page.table({"load", "stands", "falls at", "unit", "largest tilt [deg]"}, rows);
 }
@@ -89,16 +90,18 @@ void add_eigenvalues(const Analysis& analysis, Page& page) {
   Rows rows;
   for (const Case& seen : analysis.cases) {
     if (!seen.linear) {
-      rows.push_back({seen.name, "no steady motion", "", ""});
+      rows.push_back({seen.name, "no steady motion", "", "", ""});
       continue;
     }
     const Modes& modes = seen.linear->modes;
     rows.push_back({seen.name, listed_rates(modes.eigenvalues),
+                    fmt::format("{}", fmt::join(cautions(*seen.linear), "; ")),
                     text_of(polynomial_of(modes.eigenvalues)),
                     fmt::format("{:.1e}", modes.difference)});
   }
-  page.table({"how it runs", "eigenvalues [1/s]", "characteristic polynomial", "Jacobian off by"},
-             rows);
+  page.table(
+      {"how it runs", "eigenvalues [1/s]", "but", "characteristic polynomial", "Jacobian off by"},
+      rows);
 }
 
 void add_criteria(const Theory& theory, Page& page) {

@@ -219,6 +219,7 @@ void compare_umbrella(const Rig& rig, const model::UmbrellaParameters& p,
   all.push_back(reduced("free", "released at 1 deg, no friction: tilt of the reduced model",
                         ideal.F, ideal.B, x0, 0.0, 0.0, duration,
                         [&](double t) { return free_motion(r, start, t).tilt; }));
+  if (r.H == 0.0) return;  // the disc does not reach the structure
   const double F = 0.1 * r.U * kSmall * r.C * rate / r.H;
   const double w = 0.6 * rate;
   all.push_back(reduced("driven", "the same, the disc driven by a sine torque", ideal.F, ideal.B,
@@ -237,7 +238,8 @@ void compare_gimballed(const Rig& rig, const model::GimballedParameters& p,
   const model::ReducedGimballed r = model::reduce(p);
   const model::Machine machine = rig.build_machine();
   const double sign = p.arrangement == model::Arrangement::kSingle ? -1.0 : 1.0;
-  const double nutation = r.H / std::sqrt(r.A * r.J);
+  if (r.H == 0.0) return;  // the gimbals turn nothing
+  const double nutation = std::abs(r.H) / std::sqrt(r.A * r.J);
   const double duration = 6.0 * 2.0 * std::numbers::pi / nutation;
   const int gimbal = machine.layout.gimbals[0].coordinate;
   const Eigen::Vector4d x0(0.1 * kSmall, 0.0, 0.0, 0.0);
@@ -270,10 +272,11 @@ void compare_gimballed(const Rig& rig, const model::GimballedParameters& p,
 
 void compare_gyroscope(const Rig& rig, const model::GyroscopeParameters& p,
                        std::vector<Comparison>& all) {
+  const double h = p.gyro.rotor_inertia * p.gyro.rotor_speed;
+  if (h == 0.0) return;
   Rig frictionless = rig;
   auto& gyro = std::get<model::GyroscopeParameters>(frictionless.machine).gyro;
   gyro.post_damping = gyro.hinge_damping = 0.0;
-  const double h = p.gyro.rotor_inertia * p.gyro.rotor_speed;
   const double formula = p.gyro.mass * model::kGravity * p.gyro.cm_distance / h;
   const model::Machine machine = frictionless.build_machine();
   double seen = 0.0;

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 std::string heading(const std::string& text) { return "\n" + text + "\n"; }
 
 std::string mark(const Condition& condition) {
-  return condition.holds ? "ok" : condition.decides ? "FAILS" : "fails";
+  return condition.holds ? "ok" : condition.decides() ? "FAILS" : "fails";
 }
 
 std::string factor(double margin) {
@@ -29,17 +29,17 @@ std::string told(const Case& seen) {
   if (!seen.linear) return text + "    no steady motion to linearise about\n";
   const Modes& modes = seen.linear->modes;
   text += "    eigenvalues [1/s]: " + listed_rates(modes.eigenvalues) + "\n";
-  if (modes.kink) text += "    (the law bends at upright; these are of its mean slope)\n";
-  if (seen.linear->steady.coasts)
-    text += "    (at the disc's initial speed, which friction takes)\n";
+  for (const std::string& caution : cautions(*seen.linear)) text += "    (" + caution + ")\n";
   return text;
 }
 
 std::string conditions_text(const Theory& theory) {
   std::string text = heading("Conditions");
   for (const Condition& c : theory.conditions) {
-    text += fmt::format("  {:<6}{:<44}{:>12.4g} against {:<12.4g}{:<12}{}\n", mark(c), c.claim,
-                        c.value, c.required, c.unit, factor(c.margin));
+    text += fmt::format("  {:<6}{:<44}", mark(c), c.claim);
+    text += c.compares() ? fmt::format("{:>12.4g} against {:<12.4g}{:<12}{}\n", c.value, c.required,
+                                       c.unit, factor(c.margin))
+                         : fmt::format("{:>12}\n", c.holds ? "yes" : "no");
     text += fmt::format("        {}\n", c.meaning);
   }
   return text;
@@ -80,15 +80,17 @@ std::string comparisons_text(const std::vector<Comparison>& comparisons) {
 
 std::string limits_text(const Analysis& analysis) {
   if (analysis.limits.empty()) return "";
-  std::string text = heading(fmt::format("Limits, by bisection on the full model over {:.3g} s",
-                                         analysis.limits.front().duration));
+  std::string text = heading(
+      fmt::format("Limits, by bisection on the full model over {:.3g} s (beyond {:.3g} deg still "
+                  "growing at the end is falling)",
+                  analysis.limits.front().duration, degrees(kGrowingFalls * analysis.fall_tilt)));
   for (const Limit& limit : analysis.limits) {
-    const std::string falls = std::isfinite(limit.falls)
-                                  ? "falls at " + with_unit(limit.falls, limit.unit)
+    const std::string falls = std::isfinite(limit.bracket.falls)
+                                  ? "falls at " + with_unit(limit.bracket.falls, limit.unit)
                                   : "no end found";
     text += fmt::format("  {:<60} stands {:<14} {:<22} tilt up to {:.3g} deg\n", limit.meaning,
-                        with_unit(limit.stands, limit.unit) + ",", falls + ",",
-                        degrees(limit.largest_tilt));
+                        with_unit(limit.bracket.stands, limit.unit) + ",", falls + ",",
+                        degrees(limit.bracket.largest_tilt));
   }
   return text;
 }
@@ -124,7 +126,9 @@ Json linear_json(const LinearModel& linear) {
           {"states", modes.states},
           {"matrix", rows},
           {"jacobian_against_differences", modes.difference},
-          {"law_bends", modes.kink},
+          {"law_bends", modes.law_bends},
+          {"machine_bends", modes.plant_bends},
+          {"estimated", linear.estimated},
           {"coasts", linear.steady.coasts}};
 }
 
@@ -156,7 +160,8 @@ Json theory_json(const Theory& theory) {
                           {"required", number(c.required)},
                           {"unit", c.unit},
                           {"holds", c.holds},
-                          {"decides", c.decides},
+                          {"decides", c.decides()},
+                          {"explains", c.role == Role::kExplains},
                           {"margin", number(c.margin)}});
   }
   for (const Criterion& c : theory.criteria) {
@@ -174,6 +179,24 @@ Json theory_json(const Theory& theory) {
 
 std::string with_unit(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::vector<std::string> cautions(const LinearModel& linear) {
+  std::vector<std::string> all;
+  const Modes& modes = linear.modes;
+  if (modes.law_bends) all.push_back("the law bends at upright; these are of its mean slope");
+  if (modes.plant_bends) {
+    all.push_back(
+        "the machine bends there, an axle or a gimbal just touching; these are of one side");
+  } else if (!modes.sound() && !modes.law_bends) {
+    all.push_back(
+        fmt::format("the exact Jacobian is off by {:.1e} against differences: these are "
+                    "not to be trusted",
+                    modes.difference));
+  }
+  if (linear.estimated) all.push_back("as if STATE were the truth; its estimator is not in them");
+  if (linear.steady.coasts) all.push_back("at the disc's initial speed, which friction takes");
+  return all;
 }
 
 std::string push_words(const Case& seen) {
@@ -222,9 +245,9 @@ Json json_of(const Rig& rig, const Analysis& analysis) {
     limits.push_back({{"key", limit.key},
                       {"meaning", limit.meaning},
                       {"unit", limit.unit},
-                      {"stands", number(limit.stands)},
-                      {"falls", number(limit.falls)},
-                      {"largest_tilt_rad", number(limit.largest_tilt)},
+                      {"stands", number(limit.bracket.stands)},
+                      {"falls", number(limit.bracket.falls)},
+                      {"largest_tilt_rad", number(limit.bracket.largest_tilt)},
                       {"duration_s", limit.duration}});
   }
   return {{"rig", rig.name},

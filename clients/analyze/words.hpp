@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "clients/analyze/analysis.hpp"
 
@@ -18,6 +19,9 @@ nlohmann::ordered_json json_of(const Rig& rig, const Analysis& analysis);
 /// "stands, tilt at most 4.4 deg (at 1.4 s)": what the reference push did; empty where there was
 /// none.
 std::string push_words(const Case& seen);
+
+/// What is to be known of the eigenvalues; empty where they tell all of small deviations.
+std::vector<std::string> cautions(const LinearModel& linear);
 
 /// "-0.41", "-3.2+-139.5i": each pair once.
 std::string listed_rates(const Eigen::VectorXcd& eigenvalues);

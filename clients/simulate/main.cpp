@@ -1,17 +1,15 @@
 // gyrotwin-simulate: a rig offline, faster than real time.
 #include "clients/common/initial.hpp"
 #include "clients/common/interrupt.hpp"
-#include "clients/common/mount.hpp"
 #include "clients/common/scenario.hpp"
 #include "clients/common/tilt.hpp"
+#include "clients/common/variation.hpp"
 #include "clients/simulate/expression.hpp"
 #include "clients/simulate/inputs.hpp"
 #include "clients/simulate/output.hpp"
 #include "clients/simulate/simulation.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
-#include "services/runtime/machine_reader.hpp"
-#include "services/runtime/rig_reader.hpp"
 
 namespace gyrotwin {
 
@@ -23,19 +21,12 @@ constexpr double kLongest = 1e6;    // [s]
 /// What the command line says; empty: not given.
 struct Options {
   std::vector<std::string> initial, torque, external, events;
-  std::string scenario, motor = "on", law, feedback, stepper, mount, track, output = "-";
+  std::string scenario, motor = "on", feedback, stepper, output = "-";
+  Variation variation;
   double duration = 10.0;
   std::optional<double> sample;
   bool extra = false;
 };
-
-/// The words of the rig file, so that both take the same.
-template <class Words>
-std::vector<std::string> names_of(const Words& words) {
-  std::vector<std::string> names;
-  for (const auto& word : words) names.emplace_back(word.name);
-  return names;
-}
 
 /// A repeatable option, one argument each.
 CLI::Option* add_list(CLI::App& app, const char* name, std::vector<std::string>& values,
@@ -48,10 +39,6 @@ void add_inputs(CLI::App& app, Options& options) {
            "Initial state instead of the rig file's, rad and rad/s: q=0.05,0,0,0,v=0,0,-5,0 or "
            "thx=0.05,phi_dot=-5; what is not said stays")
       ->type_name("STATE");
-  app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
-      ->check(one_of(names_of(kLawWords)))
-      ->type_name("NAME")
-      ->group("Inputs");
   add_list(app, "--torque", options.torque,
            "Drive torques [N m] instead of a law: a formula in t and the CSV columns, one for each "
            "drive or COORDINATE=FORMULA, or a CSV file (t_s, then one column a drive)")
@@ -80,10 +67,9 @@ void add_plant(CLI::App& app, Options& options) {
        "off: drives that give any torque at any speed, without motor line and torque limit",
        {"on", "off"}, "Plant")
       ->capture_default_str();
-  word("--mount", options.mount, "How the disc sits on the structure (umbrella platforms)",
-       names_of(kMountWords), "Plant");
-  word("--track", options.track, "What the outer axles ride on (umbrella platforms)",
-       names_of(kTrackWords), "Plant");
+  add_variation(app, options.variation);
+  app.get_option("--law")->group("Inputs");
+  for (const char* name : {"--mount", "--track"}) app.get_option(name)->group("Plant");
   word("--feedback", options.feedback,
        "sampled: torques once a tick, held over it, the same bits as a live system in lockstep; "
        "continuous: at every instant. Default: sampled with a law, a scenario or an estimate",
@@ -117,8 +103,7 @@ void add_output(CLI::App& app, Options& options) {
 }
 
 Rig load_rig(RigOptions& rig_options, const Options& options) {
-  choose_mount(rig_options, options.mount, options.track);
-  if (!options.law.empty()) rig_options.override_key("controller.law=" + options.law);
+  apply(options.variation, rig_options);
   return rig_options.load();
 }
 
@@ -154,7 +139,7 @@ Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Option
   scenario.duration = options.duration;
   scenario.sample = options.sample;
   if (!options.torque.empty()) {
-    if (!options.law.empty() && rig.controller.law != LawKind::kNone) {
+    if (!options.variation.law.empty() && rig.controller.law != LawKind::kNone) {
       throw Error("--torque replaces the law; leave out --law or --torque");
     }
     scenario.torque = torque_input(options.torque, machine);

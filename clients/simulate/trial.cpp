@@ -46,6 +46,7 @@ Scenario live_scenario(const Rig& rig, const model::Machine& machine, double dur
   scenario.start = rig.initial_state(machine);
   const double tick = rig.loop.tick_s();
   scenario.duration = std::max(1.0, std::round(duration / tick)) * tick;
+  scenario.sample = tick;
   scenario.stepping.substeps = rig.loop.substeps;
   return scenario;
 }

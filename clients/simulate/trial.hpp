@@ -8,11 +8,11 @@
 
 namespace gyrotwin {
 
-/// What was seen of a run, until its end or its fall.
+/// What was seen of a run at its samples, until its end or its fall.
 struct Trial {
   Outcome outcome;
-  double end_tilt = 0.0;                ///< [rad]
-  double largest_tilt = 0.0;            ///< [rad]
+  double end_tilt = 0.0;                ///< 0 without a tilt [rad]
+  double largest_tilt = 0.0;            ///< likewise [rad]
   double least_gimbal_margin = 0.0;     ///< to a stop, < 0 in it [rad]
   double largest_torque = 0.0;          ///< of any drive, what arrives of it, as a magnitude [N m]
   double largest_holding_moment = 0.0;  ///< by the external support of mount `level` [N m]
@@ -21,7 +21,8 @@ struct Trial {
   bool stood() const;
 };
 
-/// The rig under its own law and feedback from its initial state, as the live system would run it.
+/// The rig under its own law and feedback from its initial state, as the live system would run it,
+/// with a sample every tick.
 /// @param duration [s]; rounded to whole ticks
 Scenario live_scenario(const Rig& rig, const model::Machine& machine, double duration);
 

@@ -41,7 +41,9 @@ void Verdict::note(double t, const model::Machine& machine, const model::State& 
   largest = std::max(largest, measure);
 }
 
-double Verdict::largest_tilt() const noexcept { return std::max(earlier_, later_); }
+double Verdict::largest_tilt() const noexcept {
+  return has_tilt_ ? std::max(earlier_, later_) : 0.0;
+}
 double Verdict::least_margin() const noexcept { return -std::max(earlier_, later_); }
 
 bool Verdict::growing() const noexcept {

@@ -23,7 +23,7 @@ class Verdict {
 
   bool has_tilt() const noexcept { return has_tilt_; }
   double tilt() const noexcept { return tilt_; }  ///< now [rad]
-  double largest_tilt() const noexcept;           ///< until now [rad]
+  double largest_tilt() const noexcept;           ///< until now; 0 without a tilt [rad]
   double least_margin() const noexcept;           ///< no tilt: to a stop [rad]
   /// When the tilt first passed safety.fall_tilt_rad, or a gimbal without a tilt its stop [s].
   std::optional<double> fell_at() const noexcept { return fell_at_; }

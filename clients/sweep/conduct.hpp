@@ -13,7 +13,7 @@ namespace gyrotwin {
 /// @param go_on is told every 100 ms or so how many are done; false: no new run begins, those under
 ///        way are waited for
 /// @return whether all are done
-/// @throws Error as the crew and the journal do
+/// @throws Error as the crew and the journal do, once the others' runs have come in
 bool conduct(Crew& crew, Journal& journal, std::int64_t runs,
              const std::function<bool(std::int64_t done)>& go_on);
 

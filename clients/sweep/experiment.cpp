@@ -37,24 +37,14 @@ std::optional<double> number_in(const toml::table& document, const std::string& 
 
 model::State start_of(const Rig& rig, const model::Machine& machine,
                       const std::vector<std::string>& settings) {
-  model::State state = rig.initial_state(machine);
   Initial initial{rig.initial_q, rig.initial_v};
   for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    const std::string name = setting.substr(0, equals);
-    const auto& names = machine.layout.names;
-    const bool rate = name.ends_with("_dot");
-    const auto place = std::ranges::find(names, rate ? name.substr(0, name.size() - 4) : name);
-    if (place == names.end()) {
-      throw Error(
-          fmt::format("start.{}: the machine has no such coordinate; it has {}, and each "
-                      "with _dot for its rate",
-                      name, fmt::join(names, ", ")));
-    }
-    const auto value = toml::parse("x = " + setting.substr(equals + 1))["x"].value<double>();
-    if (!value) throw Error(fmt::format("start.{}: takes a number", setting));
-    (rate ? state.v : state.q)[place - names.begin()] = *value;
+    initial = parse_initial(setting, machine.layout.names, std::move(initial));
   }
+  model::State state = rig.initial_state(machine);
+  const model::State said = machine.state(initial.q, initial.v);
+  state.q = said.q;
+  state.v = said.v;
   return state;
 }
 
@@ -66,12 +56,26 @@ std::string verdict_of(const Trial& trial) {
 
 std::string cell(double value) { return std::isfinite(value) ? number_text(value) : ""; }
 
+/// As one word of a shell.
+std::string quoted(const std::string& text) {
+  constexpr std::string_view kPlain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-+/:,=@%";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
 }  // namespace
 
 Experiment::Experiment(Bench bench, Plan plan) : bench_(std::move(bench)), plan_(std::move(plan)) {
   for (const Variable& variable : plan_.variables) {
     if (is_event(variable.key) && bench_.scenario.document.empty()) {
       throw Error(variable.key + ": there are no events without --scenario");
+    }
+    if (is_start(variable.key) && variable.words) {
+      throw Error(
+          fmt::format("{}={}: an initial state takes numbers", variable.key, variable.spec));
     }
     if (!variable.factor) continue;
     const std::string text =
@@ -163,25 +167,37 @@ std::string Experiment::line(std::int64_t run) const {
   try {
     const Trial seen = trial(settings(point));
     const auto fell = seen.outcome.verdict.fell_at();
+    const bool tilts = seen.outcome.verdict.has_tilt();
     return text + fmt::format(",{},{},{},{},{},{},{}\n", verdict_of(seen),
-                              fell ? number_text(*fell) : "", cell(seen.largest_tilt),
-                              cell(seen.end_tilt), cell(seen.least_gimbal_margin),
+                              fell ? number_text(*fell) : "", tilts ? cell(seen.largest_tilt) : "",
+                              tilts ? cell(seen.end_tilt) : "", cell(seen.least_gimbal_margin),
                               cell(seen.largest_torque), cell(seen.largest_holding_moment));
   } catch (const Error&) {
     return text + ",impossible,,,,,,\n";
   }
 }
 
+double Experiment::duration_of(const Settings& settings) const {
+  try {
+    const Rig rig = load_rig(bench_.rig, settings.rig);
+    return live_scenario(rig, rig.build_machine(), bench_.duration).duration;
+  } catch (const Error&) {
+    return bench_.duration;  // there is no such rig, which is what the command will say
+  }
+}
+
 std::string Experiment::repeat_command(std::int64_t run) const {
   const Settings chosen = settings(values(run));
-  std::string text = "gyrotwin simulate --rig " + bench_.rig;
-  for (const std::string& setting : chosen.rig) text += fmt::format(" --set '{}'", setting);
-  if (!chosen.start.empty()) text += fmt::format(" --initial {}", fmt::join(chosen.start, ","));
-  if (!bench_.scenario.source.empty()) {
-    text += " --scenario " + bench_.scenario.source;
-    for (const std::string& event : chosen.events) text += fmt::format(" --event {}", event);
+  std::string text = "gyrotwin simulate --rig " + quoted(bench_.rig);
+  for (const std::string& setting : chosen.rig) text += " --set " + quoted(setting);
+  if (!chosen.start.empty()) {
+    text += " --initial " + quoted(fmt::format("{}", fmt::join(chosen.start, ",")));
   }
-  return text + fmt::format(" --feedback sampled --duration {}", number_text(bench_.duration));
+  if (!bench_.scenario.source.empty()) {
+    text += " --scenario " + quoted(bench_.scenario.source);
+    for (const std::string& event : chosen.events) text += " --event " + quoted(event);
+  }
+  return text + " --feedback sampled --duration " + number_text(duration_of(chosen));
 }
 
 }  // namespace gyrotwin

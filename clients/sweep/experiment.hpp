@@ -32,7 +32,7 @@ class Experiment {
   /// A CSV line with its newline. A rig that cannot be is `impossible`, the rest of it empty.
   std::string line(std::int64_t run) const;
 
-  /// What `gyrotwin simulate` is to be told for this run; events keep their numbers in the
+  /// What a shell is to be told to `gyrotwin simulate` this run; events keep their numbers in the
   /// scenario.
   std::string repeat_command(std::int64_t run) const;
 
@@ -48,6 +48,7 @@ class Experiment {
   std::vector<Scenario::Event> events_of(const Rig& rig,
                                          const std::vector<std::string>& settings) const;
   Trial trial(const Settings& settings) const;
+  double duration_of(const Settings& settings) const;  // in whole ticks [s]
 
   Bench bench_;
   Plan plan_;

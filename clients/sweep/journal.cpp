@@ -7,11 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <thread>
 
+#include "clients/common/file_text.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -21,12 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
+constexpr std::chrono::milliseconds kLookAgain{10};
+constexpr int kLooks = 100;  // a killed sweep's workers, which hold its lock too, are about to end
 
 /// Keys in which two definitions differ.
 std::string differences(const json& before, const json& now) {
@@ -46,38 +43,71 @@ Journal::Journal(fs::path folder, const json& definition, const std::string& hea
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) refuse(error.message());
-  const fs::path description = folder_ / "sweep.json";
-  const bool begun = fs::exists(description);
-  if (!begun && fs::exists(folder_ / "runs.csv")) refuse("it has a runs.csv without sweep.json");
-  if (begun) {
-    const json before = json::parse(text_of(description), nullptr, false);
-    const std::string differing = differences(before, definition);
-    if (!differing.empty()) {
-      throw Error(fmt::format("{} holds another sweep, which differs in {}; give another --output",
-                              folder_.string(), differing));
-    }
+  try {
+    lock();
+    define(definition);
+    file_ = open((folder_ / "runs.csv").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (file_ < 0) refuse(std::strerror(errno));
+    resume(header);
+  } catch (...) {
+    close_all();
+    throw;
   }
-  file_ = open((folder_ / "runs.csv").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0) refuse(std::strerror(errno));
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    throw Error(folder_.string() +
-                ": another sweep is writing there; wait for it, or give "
-                "another --output");
-  }
-  if (!begun) {
-    std::ofstream stream(description);
-    stream << definition.dump(1) << std::endl;
-    if (!stream) refuse("sweep.json cannot be written");
-  }
-  resume(header);
 }
 
-Journal::~Journal() {
-  if (file_ >= 0) close(file_);
+Journal::~Journal() { close_all(); }
+
+void Journal::close_all() const {
+  for (const int file : {file_, lock_}) {
+    if (file >= 0) close(file);
+  }
+}
+
+void Journal::lock() {
+  lock_ = open((folder_ / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (lock_ < 0) refuse(std::strerror(errno));
+  for (int look = 0; flock(lock_, LOCK_EX | LOCK_NB) != 0; ++look) {
+    if (look == kLooks) {
+      throw Error(folder_.string() +
+                  ": another sweep is writing there; wait for it, or give "
+                  "another --output");
+    }
+    std::this_thread::sleep_for(kLookAgain);
+  }
+}
+
+void Journal::define(const json& definition) const {
+  const fs::path description = folder_ / "sweep.json";
+  if (!fs::exists(description)) {
+    if (fs::exists(folder_ / "runs.csv")) refuse("it has a runs.csv without sweep.json");
+    return write_whole(description, definition.dump(1) + '\n');
+  }
+  const json before = json::parse(file_text(description), nullptr, false);
+  if (!before.is_object() && !(before.is_null() && definition.is_null())) {
+    refuse("its sweep.json cannot be read: it is no whole JSON object");
+  }
+  const std::string differing = differences(before, definition);
+  if (!differing.empty()) {
+    throw Error(fmt::format("{} holds another sweep, which differs in {}; give another --output",
+                            folder_.string(), differing));
+  }
+}
+
+/// All of it is there, or nothing.
+void Journal::write_whole(const fs::path& file, const std::string& text) const {
+  const fs::path draft = file.string() + ".new";
+  const int there = open(draft.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (there < 0) refuse(std::strerror(errno));
+  const bool written =
+      write(there, text.data(), text.size()) == std::ssize(text) && fsync(there) == 0;
+  close(there);
+  std::error_code error;
+  if (written) fs::rename(draft, file, error);
+  if (!written || error) refuse(file.filename().string() + " cannot be written");
 }
 
 void Journal::resume(const std::string& header) {
-  const std::string text = text_of(folder_ / "runs.csv");
+  const std::string text = file_text(folder_ / "runs.csv");
   const std::size_t whole = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
   if (ftruncate(file_, static_cast<off_t>(whole)) != 0) refuse(std::strerror(errno));
   if (whole == 0) return put(header);

@@ -4,20 +4,21 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
+#include "clients/common/file_text.hpp"
 #include "clients/common/interrupt.hpp"
-#include "clients/common/mount.hpp"
+#include "clients/common/time_text.hpp"
+#include "clients/common/variation.hpp"
 #include "clients/sweep/conduct.hpp"
 #include "clients/sweep/experiment.hpp"
 #include "clients/sweep/summary.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
-#include "services/runtime/machine_reader.hpp"
 #include "services/runtime/rig_reader.hpp"
 
 namespace gyrotwin {
@@ -28,19 +29,13 @@ constexpr std::int64_t kDrawnRuns = 200;  // when nobody says how many
 
 struct Options {
   std::vector<std::string> vary;
-  std::string scenario, law, mount, track, output;
+  std::string scenario, output;
+  Variation variation;
   std::int64_t runs = 0;
   std::uint64_t seed = 0;
   double duration = 20.0;
   int workers = 0;
 };
-
-template <class Words>
-std::vector<std::string> names_of(const Words& words) {
-  std::vector<std::string> names;
-  for (const auto& word : words) names.emplace_back(word.name);
-  return names;
-}
 
 void add_what(CLI::App& app, Options& options) {
   app.add_option("--vary", options.vary,
@@ -69,14 +64,7 @@ void add_what(CLI::App& app, Options& options) {
 }
 
 void add_how(CLI::App& app, Options& options) {
-  app.add_option("--law", options.law, "Control law instead of the rig file's, or none")
-      ->check(one_of(names_of(kLawWords)))
-      ->type_name("NAME");
-  app.add_option("--mount", options.mount,
-                 "How the disc sits on the structure (umbrella platforms)")
-      ->check(one_of(names_of(kMountWords)));
-  app.add_option("--track", options.track, "What the outer axles ride on (umbrella platforms)")
-      ->check(one_of(names_of(kTrackWords)));
+  add_variation(app, options.variation);
   app.add_option("--workers", options.workers,
                  "How many processes do the runs; default: one a processor. Under mpirun its -n "
                  "says it, less one that gives out the work")
@@ -130,7 +118,7 @@ class Progress {
     const double rate = static_cast<double>(done - before_) / std::max(spent, 1e-3);
     std::fprintf(stderr, "%s%lld of %lld runs, %.1f a second, %s left%s", terminal_ ? "\r" : "",
                  static_cast<long long>(done), static_cast<long long>(runs_), rate,
-                 time_text(static_cast<double>(runs_ - done) / rate).c_str(),
+                 time_text(std::ceil(static_cast<double>(runs_ - done) / rate)).c_str(),
                  terminal_ ? "   " : "\n");
     shown_ = true;
   }
@@ -142,28 +130,16 @@ class Progress {
     return terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10);
   }
 
-  static std::string time_text(double seconds) {
-    if (seconds < 100.0) return fmt::format("{:.0f} s", seconds);
-    if (seconds < 6000.0) return fmt::format("{:.0f} min", seconds / 60.0);
-    return fmt::format("{:.1f} h", seconds / 3600.0);
-  }
-
   bool terminal_;
   std::int64_t before_, runs_;
   Clock::time_point start_, next_;
   bool shown_ = false;
 };
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 /// @return how many stand, in words
 std::string write_summary(const std::filesystem::path& folder, const Experiment& experiment,
                           const Rig& rig, const Options& options) {
-  const Results results = read_results(text_of(folder / "runs.csv"), experiment.plan().variables);
+  const Results results = read_results(file_text(folder / "runs.csv"), experiment.plan().variables);
   const SummaryText text{
       .title = fmt::format("{}: which ones stand", rig.name),
       .about = fmt::format(
@@ -181,8 +157,7 @@ std::string write_summary(const std::filesystem::path& folder, const Experiment&
 }
 
 int run(RigOptions& rig_options, const Options& options) {
-  choose_mount(rig_options, options.mount, options.track);
-  if (!options.law.empty()) rig_options.override_key("controller.law=" + options.law);
+  apply(options.variation, rig_options);
   const Rig rig = rig_options.load();
   Bench bench{rig_options.name(), rig_options.overrides(), {}, options.duration};
   if (!options.scenario.empty()) {
@@ -195,7 +170,10 @@ int run(RigOptions& rig_options, const Options& options) {
 
   const Interrupt interrupt;  // before the crew, which inherits it
   std::unique_ptr<Crew> crew;
-  if (under_mpi() && (crew = mpi_crew(work)) == nullptr) return kDone;
+  if (under_mpi()) {
+    crew = mpi_crew(work);
+    if (crew == nullptr) return kDone;  // a worker, whose work is done
+  }
   Journal journal(options.output.empty() ? "sweep-" + rig.name : options.output,
                   definition_of(bench, experiment.plan()), experiment.header());
   const int processors = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
@@ -225,8 +203,10 @@ std::string footer() {
          "before\n"
          "them multiplies what the rig has: '*normal(1,0.05)'. All combinations of lists are run,\n"
          "each --runs times.\n"
-         "The same question gives the same bytes, whoever does the runs. Ctrl-C or a kill loses\n"
-         "nothing but the runs under way: the same command goes on.\n"
+         "The same question gives the same bytes, whoever does the runs. After Ctrl-C or a kill "
+         "the\n"
+         "same command goes on. Ctrl-C waits for the runs under way; a kill loses them, and those\n"
+         "that have ended but wait for one before them.\n"
          "Exit code 0: all runs are done; 1: not all; 2: asked wrongly.\n"
          "Examples:\n"
          "  gyrotwin sweep --vary start.thx=-0.4:0.4:41 --vary start.thx_dot=-3:3:41\n"

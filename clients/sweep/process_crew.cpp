@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstring>
 #include <deque>
+#include <exception>
 #include <set>
 #include <vector>
 
@@ -22,13 +23,21 @@ namespace gyrotwin {
 
 namespace {
 
-/// What a worker does all its life: it reads the numbers of runs and writes their lines.
-[[noreturn]] void serve(int runs, int lines, const Work& work) {
-  std::signal(SIGINT, SIG_IGN);  // the one who gives the work decides when it ends
+/// What a worker does all its life: it reads the numbers of runs and writes their lines. Nothing
+/// may leave it but by _exit(): the rest of the stack is the other process's.
+[[noreturn]] void serve(int runs, int lines, const Work& work) noexcept {
   std::int64_t run = 0;
-  while (read(runs, &run, sizeof run) == sizeof run) {
-    const std::string line = work(run);
-    if (write(lines, line.data(), line.size()) != std::ssize(line)) _exit(1);
+  try {
+    std::signal(SIGINT, SIG_IGN);  // the one who gives the work decides when it ends
+    while (read(runs, &run, sizeof run) == sizeof run) {
+      const std::string line = work(run);
+      if (write(lines, line.data(), line.size()) != std::ssize(line)) _exit(1);
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "run %lld: %s\n", static_cast<long long>(run), error.what());
+    _exit(1);
+  } catch (...) {
+    _exit(1);
   }
   _exit(0);
 }
@@ -46,6 +55,7 @@ class ProcessCrew : public Crew {
     for (int i = 0; i < workers; ++i) workers_.push_back(hired());
   }
   ~ProcessCrew() override {
+    if (getpid() != owner_) return;  // a fork's copy: the workers are not its own
     for (const Worker& worker : workers_) {
       dismiss(worker);
       kill(worker.process, SIGKILL);
@@ -153,6 +163,7 @@ class ProcessCrew : public Crew {
     for (const std::int64_t run : worker.runs) tell(worker, run);
   }
 
+  const pid_t owner_ = getpid();
   Work work_;
   std::vector<Worker> workers_;
   std::deque<Finished> finished_;

@@ -31,6 +31,11 @@ Count count_of(const Results& results) {
   return count;
 }
 
+/// They are a sample of what there could be.
+bool drawn(const Results& results) {
+  return std::ranges::any_of(results.factors, [](const Factor& factor) { return factor.drawn; });
+}
+
 std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
 
 void add_verdicts(const Results& results, Page& page) {
@@ -146,23 +151,22 @@ std::string standing_sentence(const Results& results) {
   const Proportion p = proportion(count.stand, count.all);
   const auto growing = std::ranges::count(results.verdicts, kGrowing);
   return fmt::format("{} of {} runs stand: {}", count.stand, count.all, percent(p.share)) +
+         (drawn(results)
+              ? fmt::format(", with 95 % confidence {:.3g} to {}", 100.0 * p.low, percent(p.high))
+              : "") +
          (growing > 0 ? fmt::format(", {} of them still tilting further at the end", growing) : "");
 }
 
 std::string summary_html(const Results& results, const SummaryText& text) {
   const Count count = count_of(results);
-  const Proportion p = proportion(count.stand, count.all);
   Page page(text.title, text.about);
-  const bool drawn =
-      std::ranges::any_of(results.factors, [](const Factor& factor) { return factor.drawn; });
   page.verdict(count.all == 0             ? Tone::kPlain
                : count.stand == count.all ? Tone::kGood
                : count.stand == 0         ? Tone::kBad
                                           : Tone::kDoubtful,
                standing_sentence(results),
-               drawn ? fmt::format("With 95 % confidence, {} to {} of such rigs stand.",
-                                   percent(p.low), percent(p.high))
-                     : "Every run is one choice of the values below.");
+               drawn(results) ? "The interval is that of the share among all such rigs."
+                              : "Every run is one choice of the values below.");
   page.heading("How the runs end");
   add_verdicts(results, page);
   page.heading("Where it stands");

@@ -16,7 +16,8 @@ struct SummaryText {
   std::function<std::string(std::size_t run)> repeat;  ///< command that does a run again
 };
 
-/// "812 of 1000 runs stand: 81.2 %, with 95 % confidence 78.7 to 83.5 %".
+/// "812 of 1000 runs stand: 81.2 %, with 95 % confidence 78.7 to 83.5 %"; the interval where
+/// something was drawn.
 std::string standing_sentence(const Results& results);
 
 /// Self-contained HTML: how many stand and how sure that is, where in the swept space, what it

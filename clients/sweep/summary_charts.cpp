@@ -129,29 +129,33 @@ CaptionedSvg shares_by_quantile(const Factor& factor, const Results& results) {
   return shares_over(factor, places, tally);
 }
 
+bool any_tilt(const Results& results) {
+  return std::ranges::any_of(results.largest_tilt, [](double x) { return std::isfinite(x); });
+}
+
+/// A point for each of the first `runs`, by whether it stands.
+template <class Height>
+std::vector<Curve> points(const Factor& across, const Results& results, std::size_t runs,
+                          const Height& height) {
+  std::vector<Curve> curves{{"stands", {}, {}, Curve::Style::kPoints, kStandColour},
+                            {"does not", {}, {}, Curve::Style::kCrosses, kFallColour}};
+  for (std::size_t i = 0; i < runs; ++i) {
+    if (!results.counts(i)) continue;
+    Curve& curve = curves[results.stands(i) ? 0 : 1];
+    curve.x.push_back(across.numbers[i]);
+    curve.y.push_back(height(i));
+  }
+  return curves;
+}
+
 /// Largest tilt of single runs over a list.
 CaptionedSvg tilts_over(const Factor& factor, const Results& results, double fall_tilt) {
   Chart chart;
   chart.title = "Largest tilt over " + factor.key;
   chart.x.label = factor.key;
-  chart.y.label = "largest tilt [deg]";
-  Curve stands, falls;
-  stands.name = "stands";
-  falls.name = "does not";
-  stands.style = Curve::Style::kPoints;
-  falls.style = Curve::Style::kCrosses;
-  stands.colour = kStandColour;
-  falls.colour = kFallColour;
-  for (std::size_t i = 0; i < results.runs(); ++i) {
-    if (!results.counts(i)) continue;
-    Curve& curve = results.stands(i) ? stands : falls;
-    curve.x.push_back(factor.numbers[i]);
-    curve.y.push_back(degrees(results.largest_tilt[i]));
-  }
-  chart.curves.push_back(stands);
-  chart.curves.push_back(falls);
-  chart.y.low = 0.0;
-  chart.y.high = 1.2 * degrees(fall_tilt);
+  chart.y = {"largest tilt [deg]", 0.0, 1.2 * degrees(fall_tilt)};
+  chart.curves = points(factor, results, results.runs(),
+                        [&](std::size_t i) { return degrees(results.largest_tilt[i]); });
   chart.rules.push_back({Rule::Direction::kHorizontal, degrees(fall_tilt), "fallen"});
   return {svg(chart), "Every point is one run."};
 }
@@ -161,22 +165,8 @@ CaptionedSvg scatter(const Factor& across, const Factor& up, const Results& resu
   chart.title = "Single runs";
   chart.x.label = across.key;
   chart.y.label = up.key;
-  Curve stands, falls;
-  stands.name = "stands";
-  falls.name = "does not";
-  stands.style = Curve::Style::kPoints;
-  falls.style = Curve::Style::kCrosses;
-  stands.colour = kStandColour;
-  falls.colour = kFallColour;
   const std::size_t runs = std::min(results.runs(), kMostPoints);
-  for (std::size_t i = 0; i < runs; ++i) {
-    if (!results.counts(i)) continue;
-    Curve& curve = results.stands(i) ? stands : falls;
-    curve.x.push_back(across.numbers[i]);
-    curve.y.push_back(up.numbers[i]);
-  }
-  chart.curves.push_back(stands);
-  chart.curves.push_back(falls);
+  chart.curves = points(across, results, runs, [&](std::size_t i) { return up.numbers[i]; });
   return {svg(chart),
           fmt::format(
               "The two drawn values that matter most{}.",
@@ -212,14 +202,16 @@ CaptionedSvg tilt_distribution(const Results& results, double fall_tilt) {
 }  // namespace
 
 Influence influence(const Factor& factor, const Results& results) {
-  std::vector<double> x, stands, tilt;
+  std::vector<double> x, stands, tilted, tilt;
   for (std::size_t i = 0; i < results.runs(); ++i) {
-    if (!results.counts(i) || !std::isfinite(results.largest_tilt[i])) continue;
+    if (!results.counts(i)) continue;
     x.push_back(factor.numbers[i]);
     stands.push_back(results.stands(i) ? 1.0 : 0.0);
+    if (!std::isfinite(results.largest_tilt[i])) continue;  // it has none
+    tilted.push_back(factor.numbers[i]);
     tilt.push_back(results.largest_tilt[i]);
   }
-  return {rank_correlation(x, stands), rank_correlation(x, tilt)};
+  return {rank_correlation(x, stands), rank_correlation(tilted, tilt)};
 }
 
 std::vector<const Factor*> by_influence(const Results& results) {
@@ -244,9 +236,9 @@ std::vector<CaptionedSvg> summary_charts(const Results& results, double fall_til
   }
   const bool drawn_any =
       std::ranges::any_of(results.factors, [](const Factor& factor) { return factor.drawn; });
-  if (lists.size() == 1 && !drawn_any) {
+  if (lists.size() == 1 && !drawn_any && any_tilt(results)) {
     all.push_back(tilts_over(*lists[0], results, fall_tilt));
-  } else if (drawn_any) {
+  } else if (drawn_any || lists.size() == 1) {
     for (const Factor* list : lists) all.push_back(shares_by_level(*list, results));
   }
   std::vector<const Factor*> drawn = by_influence(results);
@@ -254,7 +246,7 @@ std::vector<CaptionedSvg> summary_charts(const Results& results, double fall_til
   if (drawn.size() > 1) all.push_back(scatter(*drawn[0], *drawn[1], results));
   drawn.resize(std::min(drawn.size(), kMostDrawn));
   for (const Factor* factor : drawn) all.push_back(shares_by_quantile(*factor, results));
-  all.push_back(tilt_distribution(results, fall_tilt));
+  if (any_tilt(results)) all.push_back(tilt_distribution(results, fall_tilt));
   return all;
 }
 

@@ -124,6 +124,7 @@ class Reader {
       if (value.find_first_of("()\"'\\") != std::string::npos) {
         refuse("a distribution: normal(MEAN,SIGMA), uniform(LOW,HIGH) or seed()");
       }
+      variable.words = variable.words || !number;
       variable.list.push_back(number ? number_text(*number) : value);
     }
   }

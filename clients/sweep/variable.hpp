@@ -15,6 +15,7 @@ struct Variable {
   std::string spec;  ///< as it was given
   Kind kind = Kind::kList;
   std::vector<std::string> list = {};  ///< numbers or words
+  bool words = false;                  ///< one of the list is no number
   double first = 0.0, second = 0.0;    ///< mean and standard deviation, or low and high
   bool factor = false;                 ///< the values multiply what the rig has
 

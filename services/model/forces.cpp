@@ -119,7 +119,7 @@ CoordinatesOf<S> applied_forces(const Machine& machine, const MotionOf<S>& motio
       Q[drive.coordinate] += torque;
     }
   }
-  if (disc_torque != 0.0) {
+  if (machine.disc_body != kFixed) {
     const Vector3<S> on_disc = disc_torque * motion.frame[machine.disc_body].R.col(2);
     add_pair(machine, motion, on_disc, Q);
   }

@@ -149,6 +149,27 @@ TEST(Linearise, DrivesAtTheirLimitsHaveNoSlope) {
   EXPECT_NEAR(linearise(machine, state, input).dv(2, 2), 0.0, 1e-20);
 }
 
+/// At exact rest, where friction, brakes and dampers give nothing but their slope.
+TEST(Linearise, AgreesWithDifferencesAtRest) {
+  Random random(36);
+  double worst = 0.0;
+  for (int round = 0; round < 20; ++round) {
+    for (Machine machine : random.machines()) {
+      machine.track.reset();
+      machine.stops.clear();
+      State state = random.state(machine, 0.6, 0.0);
+      ASSERT_EQ(state.v, Coordinates::Zero());
+      for (const model::DriveMode mode : {model::DriveMode::kTorque, model::DriveMode::kBrake}) {
+        Input input;
+        input.mode = mode;
+        input.drive.fill(mode == model::DriveMode::kBrake ? 0.3 : 0.0);
+        worst = std::max(worst, error_at(machine, state, input, 1e-3));
+      }
+    }
+  }
+  EXPECT_LT(worst, 1e-8);  // Coulomb friction bends within 0.05 rad/s
+}
+
 TEST(Linearise, DoesNotAllocate) {
   Random random(35);
   for (const Machine& machine : random.machines()) {

@@ -4,8 +4,8 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <complex>
 
+#include "services/model/free_tilt.hpp"
 #include "services/model/linearise.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
@@ -15,12 +15,12 @@ namespace {
 
 using Eigen::MatrixXd;
 using model::Coordinates;
+using model::FreeTilt;
 using model::Linearisation;
 using model::Machine;
 using model::State;
 using reference::Random;
 
-constexpr int kPhi = 4;  // of a free disc's coordinates
 constexpr double kDroop = -50.0 * M_PI / 180.0;
 
 /// Largest growth of small deviations [1/s]; the disc's angle is cyclic and its speed held.
@@ -31,10 +31,10 @@ double growth(const Machine& machine, const State& state) {
   A.topRightCorner(n, n).setIdentity();
   A.bottomLeftCorner(n, n) = about.dq.topLeftCorner(n, n);
   A.bottomRightCorner(n, n) = about.dv.topLeftCorner(n, n);
-  for (const int cyclic : {kPhi, n + kPhi}) {
+  for (const int cyclic : {machine.layout.disc, n + machine.layout.disc}) {
     A.row(cyclic).setZero();
     A.col(cyclic).setZero();
-    A(cyclic, cyclic) = -1.0;
+    A(cyclic, cyclic) = -1e3;
   }
   return A.eigenvalues().real().maxCoeff();
 }
@@ -57,35 +57,6 @@ State turning(const Machine& machine, double elevation, double disc_speed) {
   return machine.state({0, 0, 0, 0, 0, elevation}, {0, 0, 0, 0, disc_speed, 0});
 }
 
-/// What the tilt equations of a free disc with its gyros at one elevation are made of.
-struct FreeTilt {
-  double U, P;        ///< what the weight does to structure and disc [N m/rad]
-  double Js, Jd, S1;  ///< about ground and joint [kg m^2]; first moment about the joint [kg m]
-  double Jz, Nh;      ///< L = Jz Omega + Nh sin tg
-  double hd;          ///< [m]
-
-  double locked_inertia() const { return Js + Jd + 2.0 * hd * S1; }
-};
-
-FreeTilt free_tilt(const model::UmbrellaParameters& p) {
-  const auto& g = p.gyros;
-  const double N = g.count, c = std::cos(g.ring_elevation), s = std::sin(g.ring_elevation);
-  const double rho = g.pivot_radius + g.cm_distance * c, zc = g.pivot_height + g.cm_distance * s;
-  const double moving = p.disc.mass + N * g.mass, hd = p.disc.joint_height;
-  FreeTilt x;
-  x.S1 = p.disc.mass * p.disc.cm_offset + N * g.mass * zc;
-  x.U = model::kGravity * (p.structure.mass * p.structure.cm_height + moving * hd);
-  x.P = -model::kGravity * x.S1;
-  x.Js = p.structure.inertia_x + moving * hd * hd;
-  x.Jd = p.disc.inertia_planar + p.disc.mass * p.disc.cm_offset * p.disc.cm_offset +
-         N * (g.mass * (0.5 * rho * rho + zc * zc) +
-              0.5 * (g.inertia_transverse * (1.0 + s * s) + g.inertia_axial * c * c));
-  x.Jz = model::reduce(p).C;
-  x.Nh = N * g.rotor_inertia * g.rotor_speed;
-  x.hd = hd;
-  return x;
-}
-
 /// Nothing turns. A spring between structure and disc, of any stiffness, gives the stiffness matrix
 /// [[-U + k, -k], [-k, P + k]]: it stands for P > U alone, and then only if the spring is stiff.
 TEST(FreeDisc, StandsStillOnlyWhenItHangs) {
@@ -96,7 +67,7 @@ TEST(FreeDisc, StandsStillOnlyWhenItHangs) {
     auto p = held_gyros(0.0, {stiffness, 1.0, 1.0});
     p.gyros.rotor_speed = 0.0;
     p.gyros.pivot_height = random.between(-0.6, 0.1);
-    const auto [U, P, Js, Jd, S1, Jz, Nh, hd] = free_tilt(p);
+    const double U = free_tilt(p, 0.0).U, P = free_tilt(p, 0.0).P;
     const bool expected = stiffness * (P - U) - U * P > 0.0 && P + stiffness > 0.0;
     const Machine machine = model::build(p);
     EXPECT_EQ(growth(machine, turning(machine, 0.0, 0.0)) < 1e-9, expected)
@@ -118,31 +89,13 @@ TEST(FreeDisc, LockedTogetherIsASleepingTop) {
   for (const double share : {0.05, 0.2, 0.35, 0.6, 1.0}) {
     p.gyros.rotor_speed = share * 1256.6;
     const Machine machine = model::build(p);
-    const FreeTilt x = free_tilt(p);
-    const double Jt = x.locked_inertia(), L = x.Jz * -1.0 + x.Nh * std::sin(kDroop);
+    const FreeTilt x = free_tilt(p, kDroop);
+    const double Jt = x.locked_inertia()[0], L = x.momentum(-1.0);
     const double left = 4.0 * Jt * (x.U - x.P) - L * L;
     const double expected = left > 0.0 ? std::sqrt(left) / (2.0 * Jt) : 0.0;
     worst = std::max(worst, std::abs(growth(machine, turning(machine, kDroop, -1.0)) - expected));
   }
   EXPECT_LT(worst, 2e-4);  // [1/s], measured 5.4e-5: the spring that locks gives a little
-}
-
-/// Growth [1/s] by the two complex equations in z_S and z_D (thx + i thy, bx + i by).
-double two_body_growth(const FreeTilt& x, const model::TiltBushing& bushing, double ground_damping,
-                       double speed) {
-  using Complex = std::complex<double>;
-  const double L = x.Jz * speed + x.Nh * std::sin(kDroop);
-  const double k = bushing.stiffness, cr = bushing.rotating_damping;
-  const Complex turn(0.0, speed * cr);
-  Eigen::Matrix2cd M, G, K;
-  M << x.Js, x.hd * x.S1, x.hd * x.S1, x.Jd;
-  G << ground_damping + cr, -cr, -cr, Complex(cr, -L);
-  K << -x.U + k - turn, -k + turn, -k + turn, x.P + k - turn;
-  Eigen::Matrix4cd A = Eigen::Matrix4cd::Zero();
-  A.topRightCorner<2, 2>().setIdentity();
-  A.bottomLeftCorner<2, 2>() = -M.inverse() * K;
-  A.bottomRightCorner<2, 2>() = -M.inverse() * G;
-  return A.eigenvalues().real().maxCoeff();
 }
 
 /// Damping that turns with the disc holds it in a window of speeds; on the wrong side of it, or
@@ -152,7 +105,7 @@ TEST(FreeDisc, RotatingDampingHasAWindowOfSpeeds) {
   auto p = held_gyros(kDroop, bushing);
   p.structure.damping = 0.02;
   const Machine machine = model::build(p);
-  const FreeTilt x = free_tilt(p);
+  const FreeTilt x = free_tilt(p, kDroop);
   double worst = 0.0;
   for (const auto& [speed, stands] : {std::pair{-2.0, false},
                                       {-3.0, false},
@@ -163,9 +116,40 @@ TEST(FreeDisc, RotatingDampingHasAWindowOfSpeeds) {
                                       {5.0, false}}) {
     const double found = growth(machine, turning(machine, kDroop, speed));
     EXPECT_EQ(found < 0.0, stands) << speed << " rad/s: " << found << " 1/s";
-    worst = std::max(worst, std::abs(found - two_body_growth(x, bushing, 0.02, speed)));
+    worst = std::max(worst, std::abs(found - tilt_growth(x, p.mount, bushing, 0.02, speed)));
   }
   EXPECT_LT(worst, 1e-4);  // [1/s], measured 4.7e-6
+}
+
+/// In every mount, roll and pitch unequal, with dampers of every kind: the tilt equations are the
+/// machine's.
+TEST(FreeDisc, TiltsAsItsTwoBodies) {
+  Random random(53);
+  double worst = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double elevation = random.between(-1.0, 1.0);
+    const model::TiltBushing bushing{random.between(10, 300), random.between(0, 30),
+                                     random.between(0, 30)};
+    auto p = held_gyros(elevation, bushing);
+    p.mount = std::array{model::Mount::kLevel, model::Mount::kUniversalJoint,
+                         model::Mount::kRigid}[static_cast<std::size_t>(i % 3)];
+    p.structure.inertia_y = random.between(0.1, 0.4);
+    p.structure.damping = random.between(0.0, 0.5);
+    p.gyros.rotor_speed = random.between(-1500, 1500);
+    p.gyros.cm_distance = random.between(-0.03, 0.03);
+    const double speed = random.between(-8, 8);
+    const Machine machine = model::build(p);
+    State state = machine.state({}, {});
+    const int tg = machine.layout.gimbals[0].coordinate;
+    state.q[tg] = elevation;
+    state.v[machine.layout.disc] = speed;
+    const Linearisation pressed = linearise(machine, state, {});
+    state.q[tg] -= pressed.acceleration[tg] / pressed.dq(tg, tg);  // as far as the stop gives
+    const double expected =
+        tilt_growth(free_tilt(p, elevation), p.mount, bushing, p.structure.damping, speed);
+    worst = std::max(worst, std::abs(growth(machine, state) - expected));
+  }
+  EXPECT_LT(worst, 1e-4);
 }
 
 /// Friction at the ground takes energy from the slow precession, whose energy is negative: a
@@ -177,9 +161,9 @@ TEST(FreeDisc, GroundFrictionMakesATopSpiralOut) {
   for (const double c0 : {0.002, 0.02, 0.1}) {
     p.structure.damping = c0;
     const Machine machine = model::build(p);
-    const FreeTilt x = free_tilt(p);
-    const double Jt = x.locked_inertia(), L = std::abs(x.Jz * -5.0 + x.Nh * std::sin(kDroop));
-    const double slow = (L - std::sqrt(L * L - 4.0 * Jt * (x.U - x.P))) / (2.0 * Jt);
+    const FreeTilt x = free_tilt(p, kDroop);
+    const double Jt = x.locked_inertia()[0], L = std::abs(x.momentum(-5.0));
+    const double slow = precession(x, -5.0)->slow;
     const double expected = c0 * slow / (L - 2.0 * Jt * slow);
     worst =
         std::max(worst, std::abs(growth(machine, turning(machine, kDroop, -5.0)) / expected - 1.0));

@@ -146,7 +146,8 @@ TEST_F(SweepProgram, TellsHowToSeeARunAgain) {
 TEST_F(SweepProgram, SaysWhatIsWrong) {
   for (const auto& [words, expected] : std::vector<std::pair<Words, std::string>>{
            {{"--vary", "gyros.rotor_sped=1,2"}, "gyros.rotor_sped"},
-           {{"--vary", "start.thz=1,2"}, "no such coordinate; it has thx"},
+           {{"--vary", "start.thz=1,2"}, "this machine has no `thz`"},
+           {{"--vary", "start.thx=0.1,much"}, "an initial state takes numbers"},
            {{"--vary", "event1.seed=seed()"}, "no events without --scenario"},
            {{"--vary", "event9.seed=1,2", "--scenario", "gust"}, "there are 1 events"},
            {{"--vary", "event1.sed=1,2", "--scenario", "gust"}, "sed"},

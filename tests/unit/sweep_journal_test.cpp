@@ -81,6 +81,68 @@ TEST_F(SweepFolder, RefusesWhatIsNotThisSweep) {
   refused({{"seed", 1}}, "without sweep.json");
 }
 
+/// A definition that was cut off says nothing of which sweep it was.
+TEST_F(SweepFolder, RefusesADefinitionThatIsNotWhole) {
+  for (const std::string text : {"", "{\n \"seed\": ", "7", "[1]"}) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "sweep.json") << text;
+    try {
+      Journal journal(folder_, {{"seed", 1}}, kHeader);
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("sweep.json cannot be read"), std::string::npos)
+          << error.what();
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "runs.csv")) << text;
+  }
+}
+
+/// Whatever is there when it is cut off while it begins.
+TEST_F(SweepFolder, BeginsAgainWhereItBarelyBegan) {
+  const nlohmann::json definition{{"seed", 1}};
+  const auto begins = [&](const char* when) {
+    Journal journal(folder_, definition, kHeader);
+    EXPECT_EQ(journal.written(), 0) << when;
+    journal.take(0, line_of(0));
+    EXPECT_EQ(csv(), kHeader + line_of(0)) << when;
+    std::ifstream stream(folder_ / "sweep.json");
+    EXPECT_EQ(nlohmann::json::parse(stream), definition) << when;
+  };
+  fs::create_directories(folder_);
+  begins("the folder alone");
+  fs::remove(folder_ / "sweep.json");
+  fs::remove(folder_ / "runs.csv");
+  std::ofstream(folder_ / "sweep.json.new") << "{\n \"se";
+  begins("a draft of the definition");
+  fs::remove(folder_ / "runs.csv");
+  begins("the definition without runs");
+  std::ofstream(folder_ / "runs.csv") << "run,a";
+  begins("a header cut off");
+}
+
+/// The lock goes with its holder: a child that outlives it for a moment does not keep others out.
+TEST_F(SweepFolder, WaitsForAKilledOnesWorkers) {
+  int told[2];
+  ASSERT_EQ(pipe(told), 0);
+  const pid_t holder = fork();
+  if (holder == 0) {
+    Journal journal(folder_, {{"seed", 1}}, kHeader);
+    if (fork() == 0) {  // a worker that has not yet heard of its end
+      usleep(200'000);
+      _exit(0);
+    }
+    if (write(told[1], "x", 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(told[0], &byte, 1), 1);
+  kill(holder, SIGKILL);
+  waitpid(holder, nullptr, 0);
+  EXPECT_NO_THROW(Journal(folder_, {{"seed", 1}}, kHeader));
+  close(told[0]);
+  close(told[1]);
+}
+
 TEST_F(SweepFolder, AnyCrewWritesTheSame) {
   std::string expected = kHeader;
   for (int run = 0; run < 500; ++run) expected += line_of(run);
@@ -128,6 +190,58 @@ TEST_F(SweepFolder, OutlivesItsWorkers) {
         << error.what();
   }
   EXPECT_EQ(journal.written(), 60);
+}
+
+/// Work that throws ends its worker, the one that was hired in its place too, and none beside them.
+TEST_F(SweepFolder, OutlivesWorkThatThrows) {
+  Journal journal(folder_, {}, kHeader);
+  const auto crew = process_crew(3, [](std::int64_t run) {
+    if (run == 20) throw std::runtime_error("thrown");
+    return line_of(run);
+  });
+  try {
+    conduct(*crew, journal, 60, [](std::int64_t) { return true; });
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("run 20 has ended two workers; the last one ended with "
+                        "exit code 1"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(journal.written(), 20);
+  for (std::int64_t run = 100; run < 106; ++run) crew->give(run);
+  while (crew->pending() > 0) crew->next(std::chrono::milliseconds(100));
+}
+
+TEST_F(SweepFolder, ReplacesWorkersThatThrow) {
+  const fs::path first = folder_ / "first", second = folder_ / "second";
+  Journal journal(folder_, {}, kHeader);
+  const auto once = [](const fs::path& mark) {
+    if (fs::exists(mark)) return;
+    std::ofstream(mark).put('x');
+    throw std::runtime_error("thrown");
+  };
+  const auto crew = process_crew(2, [&](std::int64_t run) {
+    if (run == 5) once(first);
+    if (run == 9) once(second);  // by then in a worker that replaces one
+    return line_of(run);
+  });
+  EXPECT_TRUE(conduct(*crew, journal, 40, [](std::int64_t) { return true; }));
+  EXPECT_EQ(journal.written(), 40);
+}
+
+TEST(SweepResults, SayHowSureTheyAreOfWhatWasDrawn) {
+  std::string csv = "run,a.b,verdict,fell_at_s,largest_tilt_rad\n";
+  for (int run = 0; run < 10; ++run) {
+    csv += std::to_string(run) + ",0." + std::to_string(run) +
+           (run < 8 ? ",stands,," : ",falls,1,") + "0.1\n";
+  }
+  const Results drawn = read_results(csv, {parse_variable("a.b=uniform(0,1)")});
+  EXPECT_EQ(standing_sentence(drawn),
+            "8 of 10 runs stand: 80 %, with 95 % confidence 49 to 94.3 %");
+  const Results listed = read_results(csv, {parse_variable("a.b=0:0.9:10")});
+  EXPECT_EQ(standing_sentence(listed), "8 of 10 runs stand: 80 %");
 }
 
 TEST(SweepResults, AreReadBackAndCounted) {

@@ -1,0 +1,71 @@
+// What a trial keeps of a run is the most of all ticks.
+#include "clients/simulate/trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "clients/common/event.hpp"
+
+namespace gyrotwin {
+namespace {
+
+/// Every tick's truth, kept.
+class Everything : public Spectator {
+ public:
+  explicit Everything(const model::Machine& machine) : machine_(machine) {}
+  void sample(const Sample& sample) override {
+    const model::Truth truth = machine_.truth(sample.state, sample.input);
+    ++ticks;
+    for (const double torque : truth.drive_torque) drive = std::max(drive, std::abs(torque));
+    holding = std::max(holding, std::hypot(truth.holding_moment[0], truth.holding_moment[1]));
+    margin = std::min(margin, truth.gimbal_margin);
+    tilt = std::max(tilt, machine_.tilt(sample.state));
+  }
+  bool go_on(double /*t*/) override { return true; }
+
+  int ticks = 0;
+  double drive = 0.0, holding = 0.0, tilt = 0.0;
+  double margin = std::numeric_limits<double>::infinity();
+
+ private:
+  const model::Machine& machine_;
+};
+
+TEST(Trial, KeepsTheMostOfAllTicks) {
+  const Rig rig = load_rig("prototype_b");
+  const model::Machine machine = rig.build_machine();
+  Scenario scenario = live_scenario(rig, machine, 0.4);
+  AskedEvent push;
+  push.kind = event_kind("impulse");
+  request_t request = request_of(push, rig, rig.loop.tick_ns());
+  request.start_tick = 200;
+  scenario.events = {{request, "push"}};
+
+  const Trial trial = run_trial(rig, machine, scenario);
+  Scenario every = scenario;
+  every.sample = rig.loop.tick_s();
+  Everything all(machine);
+  simulate(rig, machine, every, all);
+  EXPECT_EQ(all.ticks, 401);
+  EXPECT_EQ(trial.largest_torque, all.drive);
+  EXPECT_EQ(trial.largest_holding_moment, all.holding);
+  EXPECT_EQ(trial.least_gimbal_margin, all.margin);
+  EXPECT_EQ(trial.largest_tilt, all.tilt);
+  EXPECT_GT(all.holding, 100.0);
+}
+
+TEST(Trial, HasNoTiltWhereNothingTilts) {
+  const Rig rig = load_rig("simple_gyroscope");
+  const model::Machine machine = rig.build_machine();
+  const Trial trial = run_trial(rig, machine, live_scenario(rig, machine, 0.5));
+  EXPECT_TRUE(trial.stood());
+  EXPECT_EQ(trial.largest_tilt, 0.0);
+  EXPECT_EQ(trial.end_tilt, 0.0);
+  EXPECT_GT(trial.least_gimbal_margin, 0.3);
+}
+
+}  // namespace
+}  // namespace gyrotwin
