@@ -7,7 +7,11 @@
 #include <cstdint>
 #include <string_view>
 
+#include "gyrotwin/beat_t.hpp"
 #include "gyrotwin/command_t.hpp"
+#include "gyrotwin/forecast_t.hpp"
+#include "gyrotwin/health_t.hpp"
+#include "gyrotwin/link_t.hpp"
 #include "gyrotwin/reply_t.hpp"
 #include "gyrotwin/request_t.hpp"
 #include "gyrotwin/sensors_t.hpp"
@@ -27,7 +31,18 @@ enum class Channel : std::uint8_t {
   kIntegratorStatus = 5,
   kControllerStatus = 6,
   kSensors = 7,
+  kHardwareStatus = 8,
+  kLink = 9,
+  kMirrorStatus = 10,
+  kTwinState = 11,
+  kHealth = 12,
+  kForecast = 13,
 };
+
+/// STATUS of whoever owns the plant, simulated or real.
+constexpr bool is_owner_status(Channel channel) {
+  return channel == Channel::kIntegratorStatus || channel == Channel::kHardwareStatus;
+}
 
 /// Slots of the per-channel counters in status_t; room for channels to come.
 inline constexpr std::size_t kChannelSlots = 16;
@@ -57,6 +72,14 @@ template <>
 inline constexpr std::size_t kWireSize<status_t> = 1088;
 template <>
 inline constexpr std::size_t kWireSize<sensors_t> = 264;
+template <>
+inline constexpr std::size_t kWireSize<beat_t> = 176;
+template <>
+inline constexpr std::size_t kWireSize<link_t> = 320;
+template <>
+inline constexpr std::size_t kWireSize<health_t> = 572;
+template <>
+inline constexpr std::size_t kWireSize<forecast_t> = 176;
 
 /// One row of the table.
 struct ChannelSpec {
@@ -66,7 +89,7 @@ struct ChannelSpec {
   std::size_t size;         ///< encoded size [bytes], fingerprint included
 };
 
-inline constexpr std::array<ChannelSpec, 8> kChannels{{
+inline constexpr std::array<ChannelSpec, 14> kChannels{{
     {Channel::kState, "LIVE/STATE", "state_t", kWireSize<state_t>},
     {Channel::kCommand, "LIVE/COMMAND", "command_t", kWireSize<command_t>},
     {Channel::kRequest, "REQUEST", "request_t", kWireSize<request_t>},
@@ -75,6 +98,12 @@ inline constexpr std::array<ChannelSpec, 8> kChannels{{
     {Channel::kIntegratorStatus, "INTEGRATOR/STATUS", "status_t", kWireSize<status_t>},
     {Channel::kControllerStatus, "CONTROLLER/STATUS", "status_t", kWireSize<status_t>},
     {Channel::kSensors, "LIVE/SENSORS", "sensors_t", kWireSize<sensors_t>},
+    {Channel::kHardwareStatus, "HARDWARE/STATUS", "status_t", kWireSize<status_t>},
+    {Channel::kLink, "HARDWARE/LINK", "link_t", kWireSize<link_t>},
+    {Channel::kMirrorStatus, "MIRROR/STATUS", "status_t", kWireSize<status_t>},
+    {Channel::kTwinState, "TWIN/STATE", "state_t", kWireSize<state_t>},
+    {Channel::kHealth, "TWIN/HEALTH", "health_t", kWireSize<health_t>},
+    {Channel::kForecast, "TWIN/FORECAST", "forecast_t", kWireSize<forecast_t>},
 }};
 
 /// Row of a channel.

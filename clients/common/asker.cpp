@@ -16,7 +16,7 @@ Asker::Asker(const Rig& rig, Clock& clock)
 const status_t& Asker::owner(std::int64_t patience_ns) {
   if (owner_) return *owner_;
   const bool heard = listen(patience_ns, [this](const Reception& reception) {
-    if (reception.channel != Channel::kIntegratorStatus) return false;
+    if (!is_owner_status(reception.channel)) return false;
     Bus::decode(reception, owner_.emplace());
     return true;
   });

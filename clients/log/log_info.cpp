@@ -130,7 +130,8 @@ LogInfo survey(Log& log) {
     const Message message{*type, event->data, seconds_between(info.first_us, event->time_us)};
     if (locate(*type, "header.sequence")) take_order(channel, message);
     if (ends_with(event->channel, Channel::kState) ||
-        ends_with(event->channel, Channel::kIntegratorStatus)) {
+        ends_with(event->channel, Channel::kIntegratorStatus) ||
+        ends_with(event->channel, Channel::kHardwareStatus)) {
       take_owner(info, message);
     } else if (ends_with(event->channel, Channel::kRequest)) {
       take_request(info, message);

@@ -52,7 +52,7 @@ class Player {
     const std::string fix =
         "; stop it first, or replay with a copy of the rig file that has its own network.group and "
         "network.port";
-    if (heard.channel == Channel::kIntegratorStatus) {
+    if (is_owner_status(heard.channel)) {
       status_t status;
       Bus::decode(heard, status);
       throw NotDone(fmt::format("rig {} has an owner (process {} on {}), and who listens could not "

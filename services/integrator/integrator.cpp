@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/onboard/drive_torques.hpp"
 #include "services/runtime/observation_wire.hpp"
 #include "services/runtime/text.hpp"
 
@@ -29,19 +30,16 @@ void copy(const model::Coordinates& from, double (&to)[model::kMaxCoordinates]) 
 }  // namespace
 
 Integrator::Integrator(const Rig& rig, std::int64_t epoch)
-    : rig_(rig),
+    : Owner(rig, epoch),
       machine_(rig.build_machine()),
       valid_(valid_groups(machine_)),
       plant_(machine_, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps}),
-      gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
       schedule_(rig, machine_),
-      safe_stop_(rig, machine_),
-      epoch_(epoch) {
+      safe_stop_(rig, machine_) {
   if (rig.sensors) sensing_.emplace(rig, machine_);
   if (rig.sensors && rig.loop.state == StateSource::kEstimate) estimator_.emplace(rig, machine_);
   plant_.advance(input_);  // SUNDIALS allocates in its first step: now, before time counts
   stand(rig.initial_state(machine_));
-  gate_.reset(epoch);
 }
 
 /// At tick 0 in this state, at rest for everybody who looks.
@@ -80,7 +78,7 @@ void Integrator::run_rotors(const model::Input& input, double seconds) noexcept 
 }
 
 bool Integrator::hold(double seconds) noexcept {
-  if (mode_ != Mode::kHeld || !rotors_asked_) return false;
+  if (mode() != Mode::kHeld || !rotors_asked_) return false;
   const model::RotorSpeeds before = plant_.state().rotor_speed;
   model::Input input;
   input.rotor_powered.fill(rotors_powered());
@@ -89,28 +87,21 @@ bool Integrator::hold(double seconds) noexcept {
   return plant_.state().rotor_speed != before;
 }
 
-void Integrator::enter(Event event, std::string_view why) noexcept {
-  const std::optional<Mode> to = next(mode_, event);
-  if (!to) return;
-  if (*to == Mode::kSafeStop) safe_stop_.begin(plant_.state());
+void Integrator::entering(Event event, Mode to) noexcept {
+  if (to == Mode::kSafeStop) safe_stop_.begin(plant_.state());
   waiting_for_controller_ = event == Event::kNoController;
   if (event == Event::kNoController) gate_.release();
   const bool goes_on =
       event == Event::kStep || event == Event::kNoController || event == Event::kControllerBack;
   if (!goes_on) steps_left_ = 0;
-  mode_ = *to;
-  set_text(why_, "{}", why);
 }
 
-void Integrator::notice(Event event, std::string_view why) noexcept { enter(event, why); }
-
 bool Integrator::on_command(const command_t& command) noexcept {
-  if (mode_ != Mode::kRunning && mode_ != Mode::kPaused) return false;
-  if (command_link_cut()) {
-    if (command.owner_epoch == epoch_ && command.for_tick == tick_) unobeyed_tick_ = tick_;
+  if ((mode() == Mode::kRunning || mode() == Mode::kPaused) && command_link_cut()) {
+    if (command.owner_epoch == epoch() && command.for_tick == tick_) unobeyed_tick_ = tick_;
     return false;
   }
-  return gate_.offer(command, tick_);
+  return Owner::on_command(command);
 }
 
 model::Input Integrator::commanded() noexcept {
@@ -124,14 +115,14 @@ model::Input Integrator::commanded() noexcept {
 }
 
 void Integrator::advance() noexcept {
-  if (!ticks(mode_)) return;
+  if (!ticks(mode())) return;
   if (command_lost()) {
     enter(Event::kCommandLost,
           command_link_cut()
               ? "no valid command in time: a fault cuts the command link; reset and arm"
               : "no valid command in time; start the controller, then reset and arm");
   }
-  model::Input input = mode_ == Mode::kRunning ? commanded() : safe_stop_.input(plant_.state());
+  model::Input input = mode() == Mode::kRunning ? commanded() : safe_stop_.input(plant_.state());
   input.rotor_powered.fill(rotors_powered());
   schedule_.apply(tick_, input);
 
@@ -163,31 +154,14 @@ void Integrator::advance() noexcept {
 }
 
 void Integrator::fill(state_t& state) const noexcept {
-  state.mode = static_cast<std::int32_t>(mode_);
+  state.mode = static_cast<std::int32_t>(mode());
   if (estimator_) {
     to_wire(estimator_->seen(), estimator_->valid() | state_t::VALID_DRIVES, state);
-    copy(estimated_torque(), state.drive_torque_nm);
+    copy(drive_torques(machine_, estimator_->seen(), sensors_, input_), state.drive_torque_nm);
   } else {
     to_wire(machine_.observe(plant_.state()), valid_, state);
     copy(truth_.drive_torque, state.drive_torque_nm);
   }
-}
-
-/// From the motors' currents; where there is none, what was asked for.
-std::array<double, model::kMaxDrives> Integrator::estimated_torque() const noexcept {
-  std::array<double, model::kMaxDrives> torque{};
-  const model::State seen = machine_.recall(estimator_->seen());
-  for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
-    const model::Drive& drive = machine_.drives[i];
-    if (drive.motor && (sensors_.valid & sensors_t::VALID_CURRENTS)) {
-      torque[i] =
-          drive.motor->torque_constant * drive.motor->gear_ratio * sensors_.drive_current_a[i];
-    } else {
-      torque[i] = drive.torque(input_.mode, input_.drive[i],
-                               machine_.drive_rate(static_cast<int>(i), seen));
-    }
-  }
-  return torque;
 }
 
 void Integrator::fill(truth_t& truth) const noexcept {
@@ -212,28 +186,15 @@ void Integrator::fill(truth_t& truth) const noexcept {
 }
 
 void Integrator::fill(status_t& status) const noexcept {
+  fill_owner(status);
   status.service = status_t::INTEGRATOR;
-  status.mode = static_cast<std::int32_t>(mode_);
-  set_text(status.text, "{}", text_view(why_));
-  if (status.text[0] == 0 && mode_ == Mode::kRunning && command_link_cut()) {
+  if (status.text[0] == 0 && mode() == Mode::kRunning && command_link_cut()) {
     set_text(status.text, "a fault cuts the command link: commands are not obeyed");
   }
   status.disturbances = schedule_.disturbances();
   status.faults = schedule_.faults();
   status.speed_factor = speed_;
-  status.tick_period_ns = rig_.loop.tick_ns();
   status.rhs_evaluations_max = evaluations_max_;
-  const bool leased = mode_ == Mode::kPaused || (mode_ == Mode::kRunning && !gate_.lost(tick_));
-  status.command_writer = leased ? gate_.writer() : 0;
-  status.command_counter = gate_.counter();
-  status.request_writer = request_writer_;
-  status.request_counter = request_counter_;
-  const CommandGate::Refusals& refused = gate_.refusals();
-  status.refused_not_finite = refused.not_finite;
-  status.refused_epoch = refused.epoch;
-  status.refused_expired = refused.expired;
-  status.refused_counter = refused.counter;
-  status.refused_writer = refused.writer;
 }
 
 }  // namespace gyrotwin

@@ -28,8 +28,8 @@ int run(const RigOptions& options) {
   check_stepping(rig, daemon);
   MonotonicClock clock;
   Bus bus(bus_config(rig, header_t::SIMULATION));
+  claim(rig, bus, clock, daemon);
   IntegratorService service(rig, bus, clock, daemon);
-  service.claim();
   daemon.log(LogLevel::kInfo, "owns rig {} at {:g} Hz, heard on {}", rig.name, rig.loop.rate_hz,
              reach(rig));
   daemon.become_realtime(kPriority);

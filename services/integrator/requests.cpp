@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "services/integrator/integrator.hpp"
-#include "services/integrator/refuse.hpp"
+#include "services/runtime/refuse.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -14,78 +14,54 @@ constexpr std::int64_t kMostSteps = 1'000'000;  // [tick]
 // Shares of their nominal speed at which rotors count as up, and as down.
 constexpr double kUp = 0.99, kDown = 0.01;
 
-std::optional<Event> event_of(std::int32_t verb) {
-  switch (verb) {
-    case request_t::ARM:
-      return Event::kArm;
-    case request_t::DISARM:
-      return Event::kDisarm;
-    case request_t::PAUSE:
-      return Event::kPause;
-    case request_t::RESUME:
-      return Event::kResume;
-    case request_t::STEP:
-      return Event::kStep;
-    default:
-      return std::nullopt;
-  }
-}
-
 }  // namespace
-
-void Integrator::on_request(const request_t& request, const Surroundings& surroundings,
-                            reply_t& reply) noexcept {
-  const reply_t* last = askers_.last(request.writer);
-  if (last != nullptr && last->request_counter == request.counter) {
-    reply = *last;  // asked again because the answer got lost
-    return;
-  }
-  reply = {};
-  reply.request_writer = request.writer;
-  reply.request_counter = request.counter;
-  reply.verb = request.verb;
-  reply.result = reply_t::APPLIED;
-  reply.applied_tick = tick_;
-  if (request.owner_epoch != epoch_) {
-    refuse(reply, "meant for another run of this owner; ask again");
-    return;
-  }
-  if (last != nullptr && request.counter < last->request_counter) {
-    refuse(reply, "the counter was used already; count on");
-    return;
-  }
-  if (act(request, surroundings, reply)) {
-    request_writer_ = request.writer;
-    request_counter_ = request.counter;
-  }
-  askers_.remember(reply);
-}
 
 bool Integrator::act(const request_t& request, const Surroundings& surroundings,
                      reply_t& reply) noexcept {
   switch (request.verb) {
     case request_t::RESET:
-      return reset(request, surroundings.fresh_epoch, reply);
+      reset(request, surroundings.fresh_epoch, reply);
+      break;
     case request_t::SPEED:
-      return set_speed(request, reply);
+      set_speed(request, reply);
+      break;
     case request_t::DISTURB:
     case request_t::FAULT:
-      return schedule(request, reply);
+      schedule(request, reply);
+      break;
     case request_t::CANCEL:
-      return schedule_.cancel(request.id, reply);
+      schedule_.cancel(request.id, reply);
+      break;
     case request_t::CLEAR:
       set_text(reply.text, "{} disturbances and {} faults ended", schedule_.disturbances(),
                schedule_.faults());
       schedule_.clear();
-      return true;
-    case request_t::ROTORS:
-      return set_rotors(request, reply);
-    default:
       break;
+    case request_t::ROTORS:
+      set_rotors(request, reply);
+      break;
+    case request_t::STEP:
+      step(request, surroundings, reply);
+      break;
+    default:
+      if (change_mode(request, surroundings, reply) && request.verb == request_t::ARM &&
+          rotor_share() < kUp) {
+        set_text(reply.text, "{}, rotors at {:.0f} % of their nominal speed", name_of(mode()),
+                 100.0 * rotor_share());
+      }
   }
-  const std::optional<Event> event = event_of(request.verb);
-  if (!event) return refuse(reply, "verb {} is not known to this owner", request.verb);
-  return change_mode(request, *event, surroundings, reply);
+  return true;
+}
+
+bool Integrator::step(const request_t& request, const Surroundings& surroundings,
+                      reply_t& reply) noexcept {
+  const bool possible = next(mode(), Event::kStep).has_value();
+  if (possible && (request.step_ticks < 1 || request.step_ticks > kMostSteps)) {
+    return refuse(reply, "step takes 1 to {} ticks", kMostSteps);
+  }
+  if (!change_mode(request, surroundings, reply)) return false;
+  steps_left_ = request.step_ticks;
+  return true;
 }
 
 bool Integrator::set_speed(const request_t& request, reply_t& reply) noexcept {
@@ -97,37 +73,6 @@ bool Integrator::set_speed(const request_t& request, reply_t& reply) noexcept {
   }
   speed_ = request.speed_factor;
   set_text(reply.text, "speed {}", speed_);
-  return true;
-}
-
-bool Integrator::change_mode(const request_t& request, Event event,
-                             const Surroundings& surroundings, reply_t& reply) noexcept {
-  const std::optional<Mode> to = next(mode_, event);
-  if (!to) {
-    return refuse(reply, "not possible in {}; see gyrotwin ctl modes", name_of(mode_));
-  }
-  if (event == Event::kArm) {
-    if (surroundings.other_owner_heard) {
-      return refuse(reply, "another owner speaks for this rig; stop one of the two");
-    }
-    if (!surroundings.controller_heard && rig_.loop.clock != ClockMode::kFree) {
-      return refuse(reply,
-                    "no controller is heard; start gyrotwin-controller with the same rig file");
-    }
-  }
-  if (event == Event::kStep) {
-    if (request.step_ticks < 1 || request.step_ticks > kMostSteps) {
-      return refuse(reply, "step takes 1 to {} ticks", kMostSteps);
-    }
-    steps_left_ = request.step_ticks;
-  }
-  enter(event, "");
-  if (event == Event::kArm && rotor_share() < kUp) {
-    set_text(reply.text, "{}, rotors at {:.0f} % of their nominal speed", name_of(mode_),
-             100.0 * rotor_share());
-  } else {
-    set_text(reply.text, "{}", name_of(mode_));
-  }
   return true;
 }
 
@@ -144,14 +89,12 @@ bool Integrator::reset(const request_t& request, std::int64_t fresh_epoch,
                     rig_.safety.fall_tilt_rad);
     }
   }
-  enter(Event::kReset, "");
-  epoch_ = fresh_epoch;
-  tick_ = recorded_ = 0;
+  begin_run(fresh_epoch);
+  recorded_ = 0;
   unobeyed_tick_ = -1;
   lying_ = false;
   rotors_asked_.reset();
   schedule_.reset();
-  gate_.reset(epoch_);
   stand(initial);
   reply.applied_tick = 0;
   set_text(reply.text, "HELD at the {} initial state",
@@ -160,10 +103,10 @@ bool Integrator::reset(const request_t& request, std::int64_t fresh_epoch,
 }
 
 bool Integrator::schedule(const request_t& request, reply_t& reply) noexcept {
-  if (mode_ == Mode::kFallen || mode_ == Mode::kFault) {
-    return refuse(reply, "{}: nothing to disturb; ctl reset first", name_of(mode_));
+  if (mode() == Mode::kFallen || mode() == Mode::kFault) {
+    return refuse(reply, "{}: nothing to disturb; ctl reset first", name_of(mode()));
   }
-  if (mode_ == Mode::kHeld && request.start_tick <= 0) {
+  if (mode() == Mode::kHeld && request.start_tick <= 0) {
     return refuse(reply, "HELD: the plant is held; ctl arm first, or name a start tick");
   }
   return schedule_.add(request, tick_, reply);
@@ -176,7 +119,7 @@ bool Integrator::set_rotors(const request_t& request, reply_t& reply) noexcept {
   if (request.kind != request_t::SPIN_UP && request.kind != request_t::SPIN_DOWN) {
     return refuse(reply, "kind of ROTORS must be SPIN_UP or SPIN_DOWN");
   }
-  if (mode_ == Mode::kFault) return refuse(reply, "FAULT: nothing runs; ctl reset first");
+  if (mode() == Mode::kFault) return refuse(reply, "FAULT: nothing runs; ctl reset first");
   const bool up = request.kind == request_t::SPIN_UP;
   rotors_asked_ = up;
   const std::string_view what = up ? "spin up" : "coast down";

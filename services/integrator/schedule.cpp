@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "services/integrator/refuse.hpp"
 #include "services/integrator/schedule_checks.hpp"
 #include "services/integrator/simulated_sensors.hpp"
+#include "services/runtime/refuse.hpp"
 
 namespace gyrotwin {
 

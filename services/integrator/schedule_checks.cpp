@@ -7,7 +7,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "services/integrator/refuse.hpp"
+#include "services/runtime/refuse.hpp"
 
 namespace gyrotwin {
 

@@ -1,8 +1,6 @@
 #include "services/integrator/service.hpp"
 
-#include "services/runtime/error.hpp"
 #include "services/runtime/key.hpp"
-#include "services/runtime/rig_bus.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -11,11 +9,9 @@ namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr std::int64_t kClaim = kSecond;  // listening before owning
 constexpr std::int64_t kStatusPeriod = kSecond / 10;
 constexpr std::int64_t kRepeat = 20 * kMillisecond;  // STATE while time stands still
 constexpr std::int64_t kPatience = 2 * kSecond;      // lockstep: then "waiting for controller"
-constexpr std::int64_t kHeardLately = kSecond;
 constexpr std::int64_t kLongestSleep =
     10 * kMillisecond;  // then it listens, however long a tick is
 
@@ -31,10 +27,6 @@ std::int32_t pace(ClockMode clock) {
   return status_t::PACE_REALTIME;
 }
 
-bool lately(std::int64_t heard, std::int64_t now) {
-  return heard >= 0 && now - heard < kHeardLately;
-}
-
 }  // namespace
 
 IntegratorService::IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon)
@@ -43,24 +35,8 @@ IntegratorService::IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Dae
       clock_(clock),
       daemon_(daemon),
       integrator_(rig, random_id()),
+      desk_(bus, daemon, integrator_, Channel::kIntegratorStatus),
       pacer_(rig.loop.tick_ns(), rig.loop.overrun) {}
-
-void IntegratorService::claim() {
-  const std::int64_t end = clock_.now_ns() + kClaim;
-  for (std::int64_t now = clock_.now_ns(); now < end && !daemon_.stopping();
-       now = clock_.now_ns()) {
-    bus_.wait(end - now);
-    while (const auto reception = bus_.receive()) {
-      if (reception->channel != Channel::kIntegratorStatus) continue;
-      status_t other;
-      Bus::decode(*reception, other);
-      throw NotDone(
-          fmt::format("rig {} is owned already by process {} on {}; stop that one first, or "
-                      "give this rig a file with another id, port and prefix",
-                      rig_.name, other.pid, get_text(other.host)));
-    }
-  }
-}
 
 void IntegratorService::run() noexcept {
   publish(clock_.now_ns());
@@ -137,7 +113,7 @@ void IntegratorService::listen(std::int64_t now) noexcept {
       case Channel::kCommand: {
         command_t command;
         Bus::decode(*reception, command);
-        if (command.owner_epoch == integrator_.epoch()) controller_heard_ = now;
+        if (command.owner_epoch == integrator_.epoch()) desk_.hear_controller(now);
         if (integrator_.on_command(command)) obeyed_at_ = now;
         break;
       }
@@ -148,15 +124,21 @@ void IntegratorService::listen(std::int64_t now) noexcept {
         break;
       }
       case Channel::kControllerStatus:
-        controller_heard_ = now;
+        desk_.hear_controller(now);
         break;
       case Channel::kState:
       case Channel::kIntegratorStatus:
-        on_other_owner(*reception, now);
+      case Channel::kHardwareStatus:
+        desk_.hear_other_owner(*reception, now);
         break;
       case Channel::kReply:
       case Channel::kTruth:
       case Channel::kSensors:
+      case Channel::kLink:
+      case Channel::kMirrorStatus:
+      case Channel::kTwinState:
+      case Channel::kHealth:
+      case Channel::kForecast:
         break;
     }
   }
@@ -166,34 +148,11 @@ void IntegratorService::listen(std::int64_t now) noexcept {
 }
 
 void IntegratorService::on_request(const request_t& request, std::int64_t now) noexcept {
-  const Surroundings surroundings{.controller_heard = lately(controller_heard_, now),
-                                  .other_owner_heard = lately(other_owner_heard_, now),
-                                  .fresh_epoch = random_id()};
   reply_t reply;
-  integrator_.on_request(request, surroundings, reply);
+  desk_.ask(request, now, reply);
   if (integrator_.speed() != pacer_.speed()) pacer_.set_speed(integrator_.speed(), now);
   follow_mode(now);
-  bus_.send(
-      Channel::kReply, reply,
-      {integrator_.epoch(), ++reply_sequence_, integrator_.tick(), integrator_.sim_time_ns()});
-  const bool applied = reply.result == reply_t::APPLIED;
-  daemon_.log(applied ? LogLevel::kInfo : LogLevel::kWarning, "{}: {}{}", verb_name(request.verb),
-              applied ? "" : "refused: ", text_view(reply.text));
-}
-
-/// Own messages never come back, so whoever speaks as an owner is another one.
-void IntegratorService::on_other_owner(const Reception& reception, std::int64_t now) noexcept {
-  other_owner_heard_ = now;
-  if (reception.channel != Channel::kIntegratorStatus) {
-    integrator_.notice(Event::kConflict, "another owner publishes this rig's STATE");
-    return;
-  }
-  status_t other;
-  Bus::decode(reception, other);
-  std::uint8_t why[96];
-  set_text(why, "conflict: process {} on {:.24} owns this rig too", other.pid,
-           text_view(other.host));
-  integrator_.notice(Event::kConflict, text_view(why));
+  desk_.answer(reply);
 }
 
 /// The present tick's messages, for the first time.
@@ -230,7 +189,7 @@ void IntegratorService::follow_mode(std::int64_t now) noexcept {
   if (mode == followed_mode_ && !new_run) return;
   followed_mode_ = mode;
   asked_at_ = obeyed_at_ = now;
-  publish_status();
+  publish_status(now);
   daemon_.log(mode == Mode::kFault ? LogLevel::kError : LogLevel::kInfo, "{} at tick {}{}{}",
               name_of(mode), integrator_.tick(), integrator_.why().empty() ? "" : ": ",
               integrator_.why());
@@ -238,19 +197,13 @@ void IntegratorService::follow_mode(std::int64_t now) noexcept {
   if (mode == Mode::kFault) log_history();
 }
 
-void IntegratorService::publish_status() noexcept {
+void IntegratorService::publish_status(std::int64_t now) noexcept {
   status_t status{};
   integrator_.fill(status);
   status.clock = pace(rig_.loop.clock);
-  fill_process(status, identity_, bus_.counters());
   if (status.text[0] == 0 && was_bridging_) set_text(status.text, "waiting for a command");
-  if (status.text[0] == 0 && !lately(controller_heard_, clock_.now_ns())) {
-    set_text(status.text, "no controller is heard");
-  }
   fill_loop(status, pacer_);
-  bus_.send(
-      Channel::kIntegratorStatus, status,
-      {integrator_.epoch(), ++status_sequence_, integrator_.tick(), integrator_.sim_time_ns()});
+  desk_.send_status(status, now);
 }
 
 /// STATUS at its rate, statistics at theirs.
@@ -262,7 +215,7 @@ void IntegratorService::report(std::int64_t now) noexcept {
   }
   if (now < status_due_) return;
   status_due_ = now + kStatusPeriod;
-  publish_status();
+  publish_status(now);
 }
 
 void IntegratorService::log_history() noexcept {

@@ -80,6 +80,16 @@ void OnboardEstimator::reset(const model::Observation& seen) noexcept {
   if (machine_.rotors > 0) valid_ |= state_t::VALID_ROTORS;
 }
 
+void OnboardEstimator::forget() noexcept {
+  reset({});
+  tilt_known_ = false;
+  disc_.silent = coast_ticks_ + 1;
+  for (Track& track : inclinometer_) track.silent = coast_ticks_ + 1;
+  for (Track& track : gimbal_) track.silent = coast_ticks_ + 1;
+  seen_ = {};
+  valid_ = 0;
+}
+
 void OnboardEstimator::step(const sensors_t& sensors) noexcept {
   seen_ = {};
   valid_ = 0;

@@ -26,6 +26,8 @@ class OnboardEstimator {
 
   /// As one that has watched a platform at rest in this state for long; gyro bias 0.
   void reset(const model::Observation& seen) noexcept;
+  /// As one that knows nothing yet: the next readings, taken at rest, say where the platform is.
+  void forget() noexcept;
   /// One tick of the rig's length. A sensor that is not valid, or says what is not finite, is done
   /// without: its quantity is carried on by what remains.
   void step(const sensors_t& sensors) noexcept;

@@ -36,6 +36,9 @@ enum class Event : std::uint8_t {
   kTiltLimit,
   kNotFinite,
   kOverrun,  // noticed in the plant and the loop
+  kEstop,
+  kDeviceLost,
+  kDeviceStopped,  // noticed on the line to a real plant
 };
 
 struct Transition {
@@ -59,6 +62,11 @@ inline constexpr std::array kTransitions{
                "another owner speaks for the rig"},
     Transition{Mode::kRunning, Event::kOverrun, Mode::kSafeStop,
                "a tick overran and loop.overrun is stop"},
+    Transition{Mode::kRunning, Event::kEstop, Mode::kSafeStop, "hardware: E-stop pressed"},
+    Transition{Mode::kRunning, Event::kDeviceLost, Mode::kSafeStop,
+               "hardware: no sensors for safety.command_timeout_ticks"},
+    Transition{Mode::kRunning, Event::kDeviceStopped, Mode::kSafeStop,
+               "hardware: the device has stopped or restarted by itself"},
     Transition{Mode::kRunning, Event::kTiltLimit, Mode::kFallen,
                "tilt beyond safety.fall_tilt_rad"},
     Transition{Mode::kRunning, Event::kNotFinite, Mode::kFault,

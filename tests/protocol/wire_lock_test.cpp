@@ -43,7 +43,8 @@ std::string lock_line() {
 std::string lock() {
   return lock_line<state_t>() + lock_line<command_t>() + lock_line<request_t>() +
          lock_line<reply_t>() + lock_line<truth_t>() + lock_line<status_t>() +
-         lock_line<sensors_t>();
+         lock_line<sensors_t>() + lock_line<beat_t>() + lock_line<link_t>() +
+         lock_line<health_t>() + lock_line<forecast_t>();
 }
 
 std::string content(const std::string& path) {
@@ -75,8 +76,8 @@ TEST(WireLock, TypesAreThoseOfTheLock) {
 
 template <class Message>
 class TypeTest : public ::testing::Test {};
-using Types =
-    ::testing::Types<state_t, command_t, request_t, reply_t, truth_t, status_t, sensors_t>;
+using Types = ::testing::Types<state_t, command_t, request_t, reply_t, truth_t, status_t, sensors_t,
+                               beat_t, link_t, health_t, forecast_t>;
 TYPED_TEST_SUITE(TypeTest, Types);
 
 TYPED_TEST(TypeTest, EncodedSizeIsThatOfTheTable) {

@@ -92,6 +92,36 @@ inline void fill(sensors_t& m, Distinct& set) {
       m.rotor_speed_rad_s, m.drive_current_a, m.bus_voltage_v, m.load_cell_n, m.mac);
 }
 
+inline void fill(beat_t& m, Distinct& set) {
+  fill(m.header, set);
+  set(m.mode, m.rotors, m.command_timeout_ticks, m.safe_stop, m.safe_stop_gain, m.sent_ns,
+      m.echo_ns, m.heard_ns, m.frames_received, m.frames_bad, m.frames_dropped, m.commands_obeyed,
+      m.safe_stops, m.mac);
+}
+
+inline void fill(link_t& m, Distinct& set) {
+  fill(m.header, set);
+  set(m.connected, m.device_mode, m.device_epoch, m.round_trip_p50_ns, m.round_trip_max_ns,
+      m.clock_offset_ns, m.clock_offset_sigma_ns, m.clock_drift_ppm, m.reconnects, m.host_received,
+      m.host_bad, m.host_dropped, m.device_received, m.device_bad, m.device_dropped,
+      m.samples_missed, m.commands_obeyed, m.safe_stops, m.text, m.mac);
+}
+
+inline void fill(health_t& m, Distinct& set) {
+  fill(m.header, set);
+  set(m.verdict, m.blame, m.blamed_index, m.sensor_verdict, m.innovation, m.nis, m.nis_limit,
+      m.nis_total, m.external_moment_nm, m.external_moment_sigma_nm, m.disc_friction_nm,
+      m.disc_friction_sigma_nm, m.gyro_bias_rad_s, m.accelerometer_bias_m_s2, m.step_p50_ns,
+      m.step_max_ns, m.text, m.mac);
+}
+
+inline void fill(forecast_t& m, Distinct& set) {
+  fill(m.header, set);
+  set(m.outcome, m.law, m.horizon_ns, m.falls_in_ns, m.peak_tilt_rad, m.peak_in_ns,
+      m.final_tilt_rad, m.tilt_margin_rad, m.gimbal_margin_rad, m.saturates_in_ns,
+      m.fall_probability, m.age_ns, m.mac);
+}
+
 /// A message with distinct fields.
 template <class Message>
 Message distinct() {
@@ -117,6 +147,7 @@ inline std::vector<std::uint8_t> distinct_payload(Channel channel, std::int32_t 
   };
   switch (channel) {
     case Channel::kState:
+    case Channel::kTwinState:
       return payload(distinct<state_t>());
     case Channel::kCommand:
       return payload(distinct<command_t>());
@@ -128,9 +159,17 @@ inline std::vector<std::uint8_t> distinct_payload(Channel channel, std::int32_t 
       return payload(distinct<truth_t>());
     case Channel::kIntegratorStatus:
     case Channel::kControllerStatus:
+    case Channel::kHardwareStatus:
+    case Channel::kMirrorStatus:
       return payload(distinct<status_t>());
     case Channel::kSensors:
       return payload(distinct<sensors_t>());
+    case Channel::kLink:
+      return payload(distinct<link_t>());
+    case Channel::kHealth:
+      return payload(distinct<health_t>());
+    case Channel::kForecast:
+      return payload(distinct<forecast_t>());
   }
   return {};
 }

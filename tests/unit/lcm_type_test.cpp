@@ -30,8 +30,8 @@ json decoded(const LcmTypes& types, const std::string& name, const Message& mess
 
 template <class Message>
 class GeneratedType : public testing::Test {};
-using Generated =
-    testing::Types<header_t, state_t, command_t, request_t, reply_t, truth_t, status_t, sensors_t>;
+using Generated = testing::Types<header_t, state_t, command_t, request_t, reply_t, truth_t,
+                                 status_t, sensors_t, beat_t, link_t, health_t, forecast_t>;
 TYPED_TEST_SUITE(GeneratedType, Generated);
 
 TYPED_TEST(GeneratedType, HasTheSameFingerprintAndSize) {
