@@ -13,7 +13,7 @@ namespace {
 template <std::size_t N>
 std::string list(const std::array<Program, N>& programs) {
   std::string text;
-  for (const Program& p : programs) text += fmt::format("  {:<12}{}\n", p.name, p.summary);
+  for (const Program& p : programs) text += fmt::format("  {:<14}{}\n", p.name, p.summary);
   return text;
 }
 

@@ -13,12 +13,13 @@ struct Program {
   std::string_view summary;
 };
 
-inline constexpr std::array<Program, 2> kDaemons{{
+inline constexpr std::array<Program, 3> kDaemons{{
     {"integrator", "owns a simulated platform: physics, modes, limits"},
+    {"hardware", "owns a real one, over a serial line: the same channels, modes and limits"},
     {"controller", "keeps it up: hears STATE, answers with COMMAND"},
 }};
 
-inline constexpr std::array<Program, 8> kClients{{
+inline constexpr std::array<Program, 9> kClients{{
     {"ctl", "arm, disarm, pause, step, reset ...; status; wait until it balances"},
     {"disturb", "push it, break parts of it, play a scenario, see it recover"},
     {"top", "how the rig is, live: state, margins, rates, losses, who is alive"},
@@ -26,6 +27,7 @@ inline constexpr std::array<Program, 8> kClients{{
     {"analyze", "whether a rig stands, by how much, and why: text, JSON or a page with pictures"},
     {"sweep", "many rigs, starts and disturbances at once: which ones stand"},
     {"simulate", "the same rig offline, faster than real time, into a CSV"},
+    {"rig_emulator", "a rig behind its line: what to test the hardware daemon with"},
     {"key", "make or show the key that signs the rig's messages"},
 }};
 

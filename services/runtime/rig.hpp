@@ -121,6 +121,21 @@ struct Rig {
     double gimbal = 400.0;   ///< of the gimbal rates from their angles [rad/s]
   } estimator;
 
+  /// [mirror]: how much the twin that follows the rig reckons with; services/mirror/README.md.
+  struct Mirror {
+    double moment_walk = 0.05;     ///< of the unknown moment, of U times 1 rad [1/sqrt(s)]
+    double friction_walk = 0.002;  ///< of the disc's friction, of the drive's limit [1/sqrt(s)]
+    double model_noise = 3e-4;     ///< of all accelerations, of U/A times 1 rad [1/sqrt(Hz)]
+    double inertia_spread = 0.2;   ///< sigma of the structure's inertia [1]
+    double drive_spread = 0.2;     ///< sigma of a drive's strength [1]
+  } mirror;
+
+  /// [hardware]: the line to the device of a real rig.
+  struct Hardware {
+    std::string device;  ///< terminal, e.g. /dev/serial/by-id/...; empty: none is named
+    int baud = 0;        ///< of a UART; 0: the line has no rate of its own (USB CDC, pty)
+  } hardware;
+
   /// [controller]: which law, and the numbers of any law; a law says which it misses.
   struct Controller {
     LawKind law = LawKind::kNone;

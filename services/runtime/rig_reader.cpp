@@ -47,6 +47,10 @@ constexpr TextRule kSentence{
       return std::none_of(t.begin(), t.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; });
     }};
 
+constexpr TextRule kDevice{"an absolute path, e.g. /dev/ttyACM0", [](const std::string& t) {
+                             return !t.empty() && t.front() == '/' && t.size() < 256;
+                           }};
+
 // Leaves room for the longest channel of messages/channels.hpp within 63 characters.
 constexpr TextRule kPrefix{"a text of A-Z 0-9 _, at most 31 characters", [](const std::string& t) {
                              return made_of(t, "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_", 31);
@@ -256,6 +260,15 @@ void read_estimator(TomlReader& reader, Rig& rig) {
   }
 }
 
+void read_mirror(TomlReader& reader, Rig::Mirror& mirror) {
+  auto table = reader.table("mirror", Need::kOptional);
+  table.number("moment_walk_share", mirror.moment_walk, kPositive);
+  table.number("friction_walk_share", mirror.friction_walk, kNotNegative);
+  table.number("model_noise_share", mirror.model_noise, kNotNegative);
+  table.number("inertia_spread", mirror.inertia_spread, {0, 1});
+  table.number("drive_spread", mirror.drive_spread, {0, 1});
+}
+
 }  // namespace
 
 Rig read_rig(TomlReader& reader) {
@@ -277,6 +290,10 @@ Rig read_rig(TomlReader& reader) {
   }
   read_sensors(reader, rig);
   read_estimator(reader, rig);
+  read_mirror(reader, rig.mirror);
+  auto hardware = reader.table("hardware", Need::kOptional);
+  hardware.text("device", rig.hardware.device, kDevice);
+  hardware.integer("baud", rig.hardware.baud, {0, 12'000'000});
 
   const CoordinateNames names = coordinate_names(rig.machine);
   auto initial = reader.table("initial", Need::kRequired);

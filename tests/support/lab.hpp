@@ -17,6 +17,9 @@
 
 namespace gyrotwin::support {
 
+/// Who owns the plant.
+enum class OwnerKind { kIntegrator, kHardware };
+
 /// One rig's processes and its bus. Runs in a network namespace of the test's own.
 class Lab {
  public:
@@ -28,7 +31,8 @@ class Lab {
     bus = std::make_unique<Bus>(bus_config(rig, header_t::OPERATOR));
   }
   ~Lab() {
-    integrator.reset();
+    owner.reset();
+    emulator.reset();
     controller.reset();
     std::filesystem::remove_all(folder_);
   }
@@ -51,11 +55,21 @@ class Lab {
     return code;
   }
 
-  void start_daemons() {
-    integrator = start("integrator");
+  /// A simulated plant, or hardware on a line to an emulated rig.
+  void start_owner(OwnerKind kind = OwnerKind::kIntegrator) {
+    if (kind == OwnerKind::kIntegrator) {
+      owner = start("integrator");
+      return;
+    }
+    emulator = start("rig_emulator", {"--link", line()});
+    owner = start("hardware", {"--device", line()});
+  }
+
+  void start_daemons(OwnerKind kind = OwnerKind::kIntegrator) {
+    start_owner(kind);
     controller = start("controller");
     ASSERT_EQ(run("ctl", {"wait", "ready", "--timeout", "30"}), 0)
-        << said << integrator->output() << controller->output();
+        << said << owner->output() << controller->output();
   }
 
   /// Slowed down, so that a busy machine's pauses are short in the owner's time.
@@ -65,7 +79,7 @@ class Lab {
     }
     arm();
     ASSERT_EQ(run("ctl", {"wait", "balanced", "--timeout", "60"}), 0)
-        << said << integrator->output() << controller->output();
+        << said << owner->output() << controller->output();
   }
 
   void arm() {
@@ -92,7 +106,7 @@ class Lab {
     status_t status{};
     const bool came = until(
         [&](const Reception& reception) {
-          if (reception.channel != Channel::kIntegratorStatus) return false;
+          if (!is_owner_status(reception.channel)) return false;
           Bus::decode(reception, status);
           return holds(status);
         },
@@ -105,10 +119,12 @@ class Lab {
   }
 
   const std::filesystem::path& folder() const { return folder_; }
+  /// Path of the line to the emulated rig.
+  std::string line() const { return (folder_ / "line").string(); }
 
   Rig rig;
   std::unique_ptr<Bus> bus;
-  std::unique_ptr<Process> integrator, controller;
+  std::unique_ptr<Process> owner, emulator, controller;
   std::string said;
 
  private:

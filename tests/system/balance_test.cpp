@@ -46,9 +46,9 @@ TEST_P(Balance, APushTiltsItAndItReturns) {
   EXPECT_LT(peak, 0.14);
 
   EXPECT_EQ(lab.run("ctl", {"disarm"}), 0) << lab.said;
-  lab.integrator->signal(SIGTERM);
+  lab.owner->signal(SIGTERM);
   lab.controller->signal(SIGINT);
-  EXPECT_EQ(lab.integrator->wait(), 0) << lab.integrator->output();
+  EXPECT_EQ(lab.owner->wait(), 0) << lab.owner->output();
   EXPECT_EQ(lab.controller->wait(), 0) << lab.controller->output();
 }
 
@@ -146,7 +146,7 @@ TEST(Failure, ASecondOwnerDoesNotStart) {
   ASSERT_NO_FATAL_FAILURE(lab.start_daemons());
   const auto second = lab.start("integrator");
   EXPECT_EQ(second->wait(), 1);
-  EXPECT_NE(second->output().find(std::to_string(lab.integrator->pid())), std::string::npos)
+  EXPECT_NE(second->output().find(std::to_string(lab.owner->pid())), std::string::npos)
       << second->output();
 }
 
@@ -162,7 +162,7 @@ TEST(Failure, ASecondControllerIsRefusedAndTheFirstGoesOn) {
 
 TEST(Failure, ArmingWithoutAControllerIsRefusedWithTheFix) {
   Lab lab("prototype_b");
-  lab.integrator = lab.start("integrator");
+  lab.owner = lab.start("integrator");
   ASSERT_EQ(lab.run("ctl", {"wait", "held", "--timeout", "20"}), 0) << lab.said;
   EXPECT_EQ(lab.run("ctl", {"arm"}), 1);
   EXPECT_NE(lab.said.find("gyrotwin-controller"), std::string::npos) << lab.said;

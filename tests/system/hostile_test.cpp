@@ -109,7 +109,7 @@ TEST(Hostile, RandomBytesInValidEnvelopesChangeNothing) {
     return s.refused_not_finite + s.refused_epoch + s.refused_expired > 300;
   });
   EXPECT_EQ(owner.mode, status_t::MODE_RUNNING);
-  EXPECT_TRUE(lab.integrator->running());
+  EXPECT_TRUE(lab.owner->running());
   EXPECT_TRUE(lab.controller->running());
   EXPECT_EQ(lab.run("ctl", {"status"}), 0) << lab.said;
 }

@@ -105,9 +105,9 @@ TEST(Log, RecordsARunningRigWholeAndReplaysItByteForByte) {
   // Who owns the rig is not talked over.
   ASSERT_EQ(lab.run("log", {"replay", first}), 1);
   EXPECT_NE(lab.said.find("stop it first"), std::string::npos) << lab.said;
-  lab.integrator->signal(SIGTERM);
+  lab.owner->signal(SIGTERM);
   lab.controller->signal(SIGTERM);
-  EXPECT_EQ(lab.integrator->wait(), 0);
+  EXPECT_EQ(lab.owner->wait(), 0);
   EXPECT_EQ(lab.controller->wait(), 0);
   ASSERT_EQ(stop_recording(*recorder), 0) << recorder->output();
   EXPECT_TRUE(says(*recorder, "lost: nothing")) << recorder->output();

@@ -73,7 +73,7 @@ class LiblcmController {
 TEST(Peers, ALiblcmProgramBalancesTheRigWhileLcmLoggerRecords) {
   // Lockstep waits for the program however long this machine keeps it from running.
   Lab lab("double_brennan", {"network.sign=false", "loop.clock=lockstep"});
-  lab.integrator = lab.start("integrator");
+  lab.owner = lab.start("integrator");
   ASSERT_EQ(lab.run("ctl", {"wait", "held", "--timeout", "30"}), 0) << lab.said;
   const std::filesystem::path log = lab.folder() / "record.lcm";
   support::Process logger({"/usr/bin/lcm-logger", "--lcm-url=" + url(lab.rig), log.string()},

@@ -68,8 +68,8 @@ TEST(Top, FollowsARigThroughItsTroubles) {
     return o["controller"].is_object() && o["controller"]["alive"] == false &&
            o["owner"]["mode"] == "SAFE_STOP";
   }));
-  lab.integrator->signal(SIGKILL);
-  lab.integrator->wait();
+  lab.owner->signal(SIGKILL);
+  lab.owner->wait();
   EXPECT_TRUE(comes(lab, *top, [](const Json& o) {
     return o["owner"].is_object() && o["owner"]["alive"] == false && o["state"]["stale"] == true &&
            o["margins"]["tilt_rad"].is_null();

@@ -1,0 +1,154 @@
+// Operators' requests to a real plant: what the owner can do itself, what it asks the device for,
+// and what nobody can.
+#include <algorithm>
+
+#include "services/hardware/hardware.hpp"
+#include "services/runtime/refuse.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+// Tick periods that the device may take to answer.
+constexpr int kAnswerPeriods = 500;
+
+}  // namespace
+
+bool Hardware::act(const request_t& request, const Surroundings& surroundings,
+                   reply_t& reply) noexcept {
+  switch (request.verb) {
+    case request_t::ARM:
+      arm(request, surroundings, reply);
+      return true;
+    case request_t::RESET:
+      reset(request, surroundings.fresh_epoch, reply);
+      return true;
+    case request_t::ROTORS:
+      set_rotors(request, reply);
+      return true;
+    case request_t::PAUSE:
+    case request_t::RESUME:
+    case request_t::STEP:
+    case request_t::SPEED:
+      refuse(reply, "the plant is real: its time neither stops nor changes speed");
+      return true;
+    case request_t::DISTURB:
+    case request_t::FAULT:
+    case request_t::CANCEL:
+    case request_t::CLEAR:
+      return !forward(request, reply);
+    default:
+      change_mode(request, surroundings, reply);
+      return true;
+  }
+}
+
+bool Hardware::arm(const request_t& request, const Surroundings& surroundings,
+                   reply_t& reply) noexcept {
+  if (mode() == Mode::kHeld) {
+    if (!connected_) return refuse(reply, "the device is not heard: check cable and power");
+    if (pressed()) return refuse(reply, "the E-stop is pressed; release it first");
+    if (device_mode_ != status_t::MODE_HELD) {
+      return refuse(reply, "the device is still in {}; wait a moment, then arm again",
+                    mode_name(device_mode_));
+    }
+    if (machine_.layout.tilts() > 0 && !(estimator_.valid() & state_t::VALID_TILT)) {
+      return refuse(reply, "the tilt is not known: gyro and accelerometer are silent");
+    }
+  }
+  return change_mode(request, surroundings, reply);
+}
+
+bool Hardware::reset(const request_t& request, std::int64_t fresh_epoch, reply_t& reply) noexcept {
+  if (request.initial_given != 0) {
+    return refuse(reply, "a real plant cannot be put into a state; prop it there by hand");
+  }
+  if (pressed()) return refuse(reply, "the E-stop is pressed; release it first");
+  begin_run(fresh_epoch);
+  rotors_asked_.reset();
+  pending_.fill(std::nullopt);
+  reply.applied_tick = 0;
+  set_text(reply.text, "HELD, drives off: prop the platform upright before arming");
+  return true;
+}
+
+bool Hardware::set_rotors(const request_t& request, reply_t& reply) noexcept {
+  if (!machine_.rotor_drive) {
+    return refuse(reply, "rotors of this rig keep their speed; give its file [rotor_drive]");
+  }
+  if (request.kind != request_t::SPIN_UP && request.kind != request_t::SPIN_DOWN) {
+    return refuse(reply, "kind of ROTORS must be SPIN_UP or SPIN_DOWN");
+  }
+  if (!connected_) return refuse(reply, "the device is not heard: check cable and power");
+  rotors_asked_ = request.kind == request_t::SPIN_UP;
+  set_text(reply.text, "the device is asked to {} its rotors",
+           *rotors_asked_ ? "power" : "cut the power of");
+  return true;
+}
+
+/// @return whether the device has it now; otherwise refused
+bool Hardware::forward(const request_t& request, reply_t& reply) noexcept {
+  const auto same = [&](const std::optional<Pending>& pending) {
+    return pending && pending->request.writer == request.writer &&
+           pending->request.counter == request.counter;
+  };
+  if (std::any_of(pending_.begin(), pending_.end(), same)) return true;  // asked again
+  if (!connected_) return refuse(reply, "the device is not heard: check cable and power");
+  const bool acts = request.verb == request_t::DISTURB || request.verb == request_t::FAULT;
+  if (acts && (mode() == Mode::kFallen || mode() == Mode::kFault)) {
+    return refuse(reply, "{}: nothing to disturb; ctl reset first", name_of(mode()));
+  }
+  if (acts && mode() == Mode::kHeld) return refuse(reply, "HELD: the plant is held; ctl arm first");
+  const auto free = std::find(pending_.begin(), pending_.end(), std::nullopt);
+  if (free == pending_.end()) return refuse(reply, "the device has not answered the last requests");
+  request_t& forwarded = free->emplace().request = request;
+  if (request.start_tick > 0) forwarded.start_tick += device_tick_ - tick_;
+  return true;
+}
+
+std::optional<request_t> Hardware::take_request() noexcept {
+  for (std::optional<Pending>& pending : pending_) {
+    if (!pending || pending->sent) continue;
+    pending->sent = true;
+    return pending->request;
+  }
+  return std::nullopt;
+}
+
+bool Hardware::on_reply(const reply_t& answer, reply_t& reply) noexcept {
+  for (std::optional<Pending>& pending : pending_) {
+    if (!pending || pending->request.writer != answer.request_writer ||
+        pending->request.counter != answer.request_counter) {
+      continue;
+    }
+    reply = answer;
+    reply.verb = pending->request.verb;
+    reply.applied_tick -= device_tick_ - tick_;
+    if (reply.result != reply_t::APPLIED) {
+      reply.result = reply_t::REFUSED;
+    } else if (reply.id > 0) {  // the device counts other ticks than the owner
+      set_text(reply.text, "number {}, from tick {}", reply.id, reply.applied_tick);
+    }
+    conclude(pending->request, reply);
+    pending.reset();
+    return true;
+  }
+  return false;
+}
+
+bool Hardware::overdue(reply_t& reply) noexcept {
+  for (std::optional<Pending>& pending : pending_) {
+    if (!pending || ++pending->periods < kAnswerPeriods) continue;
+    reply = {};
+    reply.request_writer = pending->request.writer;
+    reply.request_counter = pending->request.counter;
+    reply.verb = pending->request.verb;
+    refuse(reply, "the device does not answer");
+    conclude(pending->request, reply);
+    pending.reset();
+    return true;
+  }
+  return false;
+}
+
+}  // namespace gyrotwin

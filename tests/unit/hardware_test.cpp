@@ -1,0 +1,293 @@
+// The owner of a real plant, driven by a device that is a few messages: modes, ticks, obedience,
+// requests that the device has to answer.
+#include "services/hardware/hardware.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "services/runtime/error.hpp"
+#include "tests/support/allocation_counter.hpp"
+
+namespace gyrotwin {
+namespace {
+
+/// A device that measures a platform at rest, a little off upright.
+struct Device {
+  explicit Device(const std::vector<std::string>& overrides = {})
+      : rig(load_rig("prototype_b", overrides)), owner(rig, 7) {
+    for (const int sensor : std::vector<int>{sensors_t::VALID_GYRO, sensors_t::VALID_ACCELEROMETER,
+                                             sensors_t::VALID_DISC, sensors_t::VALID_GIMBALS,
+                                             sensors_t::VALID_ROTORS, sensors_t::VALID_ESTOP}) {
+      sample.valid |= sensor;
+    }
+    sample.header.epoch = 99;
+    lean(0.01);
+    for (double& n : sample.rotor_speed_rad_s) n = 1256.6;
+    owner.set_connected(true);
+    beat(status_t::MODE_HELD);
+    run(10);
+  }
+
+  void lean(double roll) {
+    sample.acceleration_m_s2[0] = 0.0;
+    sample.acceleration_m_s2[1] = 9.81 * std::sin(roll);
+    sample.acceleration_m_s2[2] = 9.81 * std::cos(roll);
+  }
+
+  void beat(std::int32_t mode) {
+    beat_t beat{};
+    beat.header.epoch = sample.header.epoch;
+    beat.mode = mode;
+    owner.on_beat(beat);
+  }
+
+  /// Samples, each answered by a command where `commanded`.
+  void run(int samples) {
+    for (int i = 0; i < samples; ++i) {
+      ++sample.header.tick;
+      owner.on_sample(sample);
+      if (commanded) command(1.0);
+    }
+  }
+
+  bool command(double torque) {
+    command_t command{};
+    command.mode = command_t::TORQUE_NM;
+    command.valid_ticks = 10;
+    command.value[0] = torque;
+    command.for_tick = owner.tick();
+    command.owner_epoch = owner.epoch();
+    command.writer = 5;
+    command.counter = ++counter;
+    return owner.on_command(command);
+  }
+
+  reply_t ask(std::int32_t verb, request_t request = {}) {
+    request.verb = verb;
+    request.owner_epoch = owner.epoch();
+    request.writer = 9;
+    request.counter = ++asked;
+    reply_t reply{};
+    answered = owner.on_request(request, {.controller_heard = true, .fresh_epoch = 8}, reply);
+    return reply;
+  }
+
+  void arm() {
+    ASSERT_EQ(ask(request_t::ARM).result, reply_t::APPLIED);
+    beat(status_t::MODE_RUNNING);
+  }
+
+  std::string why() const { return std::string(owner.why()); }
+
+  Rig rig;
+  Hardware owner;
+  sensors_t sample{};
+  bool commanded = false, answered = false;
+  std::int64_t counter = 0, asked = 0;
+};
+
+TEST(Hardware, RefusesRigsThatCannotBeReal) {
+  EXPECT_THROW(Device({"loop.clock=lockstep"}), Error);
+  Rig rig = load_rig("prototype_b");
+  rig.sensors.reset();
+  EXPECT_THROW(Hardware(rig, 1), Error);
+}
+
+TEST(Hardware, HeldItKnowsTheTiltAndDoesNotTick) {
+  Device device;
+  EXPECT_EQ(device.owner.tick(), 0);
+  EXPECT_EQ(device.owner.sequence(), 0);
+  state_t state{};
+  device.owner.fill(state);
+  EXPECT_EQ(state.valid & state_t::VALID_TILT, state_t::VALID_TILT);
+  EXPECT_NEAR(state.tilt_rad[0], 0.01, 1e-6);
+  EXPECT_FALSE(device.command(1.0));
+}
+
+TEST(Hardware, TicksAreTheDevicesSamplesAndLeftOutOnesHaveGoneBy) {
+  Device device;
+  device.arm();
+  device.commanded = true;
+  device.run(5);
+  EXPECT_EQ(device.owner.tick(), 5);
+  EXPECT_EQ(device.owner.sequence(), 6);
+  device.sample.header.tick += 3;
+  device.run(1);
+  EXPECT_EQ(device.owner.tick(), 9);
+  link_t link{};
+  device.owner.fill(link);
+  EXPECT_EQ(link.samples_missed, 3);
+  --device.sample.header.tick;  // an old one
+  EXPECT_FALSE(device.owner.on_sample(device.sample));
+  EXPECT_EQ(device.owner.tick(), 9);
+}
+
+TEST(Hardware, CommandsGoOutOnceWithinTheDrivesLimits) {
+  Device device;
+  device.arm();
+  device.run(1);
+  ASSERT_TRUE(device.command(1e6));
+  const auto out = device.owner.take_command();
+  ASSERT_TRUE(out);
+  const model::Machine machine = device.rig.build_machine();
+  EXPECT_EQ(out->value[0], machine.drives[0].range(0.0)[1]);
+  EXPECT_EQ(out->valid_ticks, 10);
+  EXPECT_FALSE(device.owner.take_command());
+}
+
+TEST(Hardware, StopsAfterTheTimeoutWithoutCommands) {
+  Device device;
+  device.arm();
+  device.commanded = true;
+  device.run(20);
+  device.commanded = false;
+  int ticks = 0;
+  for (; device.owner.mode() == Mode::kRunning && ticks < 100; ++ticks) device.run(1);
+  EXPECT_EQ(device.owner.mode(), Mode::kSafeStop);
+  EXPECT_EQ(ticks, device.rig.safety.command_timeout_ticks);
+  beat_t beat{};
+  device.owner.fill(beat);
+  EXPECT_EQ(beat.mode, status_t::MODE_SAFE_STOP);
+}
+
+TEST(Hardware, EstopLatches) {
+  Device device;
+  device.arm();
+  device.commanded = true;
+  device.run(5);
+  device.sample.estop = 1;
+  device.run(1);
+  EXPECT_EQ(device.owner.mode(), Mode::kSafeStop);
+  EXPECT_NE(device.why().find("E-stop"), std::string::npos);
+  EXPECT_EQ(device.ask(request_t::RESET).result, reply_t::REFUSED);
+  device.sample.estop = 0;
+  device.run(1);
+  EXPECT_EQ(device.owner.mode(), Mode::kSafeStop);
+  EXPECT_EQ(device.ask(request_t::RESET).result, reply_t::APPLIED);
+  EXPECT_EQ(device.owner.mode(), Mode::kHeld);
+  device.sample.estop = 1;
+  device.run(1);
+  EXPECT_EQ(device.ask(request_t::ARM).result, reply_t::REFUSED);
+}
+
+TEST(Hardware, StopsWithItsDevice) {
+  for (const bool restarts : {false, true}) {
+    Device device;
+    device.arm();
+    device.commanded = true;
+    device.run(5);
+    if (restarts) {
+      device.sample.header.epoch = 100;
+      device.sample.header.tick = 0;
+      device.run(1);
+    } else {
+      device.beat(status_t::MODE_SAFE_STOP);
+    }
+    EXPECT_EQ(device.owner.mode(), Mode::kSafeStop);
+    EXPECT_NE(device.why().find(restarts ? "restarted" : "stopped by itself"), std::string::npos);
+  }
+}
+
+TEST(Hardware, ADeviceThatDoesNotFollowIsNotArmedAndNotTrusted) {
+  Device device;
+  device.beat(status_t::MODE_SAFE_STOP);
+  EXPECT_EQ(device.ask(request_t::ARM).result, reply_t::REFUSED);
+  device.beat(status_t::MODE_HELD);
+  ASSERT_EQ(device.ask(request_t::ARM).result, reply_t::APPLIED);
+  device.commanded = true;
+  for (int i = 0; i < 20; ++i) {
+    device.run(10);
+    device.beat(status_t::MODE_HELD);
+  }
+  EXPECT_EQ(device.owner.mode(), Mode::kSafeStop);
+}
+
+TEST(Hardware, FallsWhereTheTiltIsBeyondTheLimit) {
+  Device device({"estimator.tilt_bandwidth_rad_s=300"});
+  device.arm();
+  device.commanded = true;
+  device.lean(0.9);
+  device.run(100);
+  EXPECT_EQ(device.owner.mode(), Mode::kFallen);
+}
+
+TEST(Hardware, ItsTimeNeitherStopsNorIsItPutAnywhere) {
+  Device device;
+  device.arm();
+  for (const int verb :
+       std::vector<int>{request_t::PAUSE, request_t::RESUME, request_t::STEP, request_t::SPEED}) {
+    const reply_t reply = device.ask(verb);
+    EXPECT_EQ(reply.result, reply_t::REFUSED);
+    EXPECT_NE(get_text(reply.text).find("real"), std::string::npos);
+  }
+  request_t request{};
+  request.initial_given = 1;
+  EXPECT_EQ(device.ask(request_t::RESET, request).result, reply_t::REFUSED);
+}
+
+TEST(Hardware, DisturbancesAreTheDevicesToAnswer) {
+  Device device;
+  device.arm();
+  device.commanded = true;
+  device.run(50);
+  request_t push{};
+  push.kind = request_t::LOAD;
+  push.start_tick = 70;
+  device.ask(request_t::DISTURB, push);
+  EXPECT_FALSE(device.answered);
+  const auto forwarded = device.owner.take_request();
+  ASSERT_TRUE(forwarded);
+  EXPECT_EQ(forwarded->start_tick, 70 + device.sample.header.tick - device.owner.tick());
+  --device.asked;  // asked again while the device thinks: nothing new
+  device.ask(request_t::DISTURB, push);
+  EXPECT_FALSE(device.answered);
+  EXPECT_FALSE(device.owner.take_request());
+
+  reply_t answer{}, reply{};
+  answer.request_writer = forwarded->writer;
+  answer.request_counter = forwarded->counter;
+  answer.result = reply_t::APPLIED;
+  answer.applied_tick = forwarded->start_tick;
+  answer.id = 3;
+  ASSERT_TRUE(device.owner.on_reply(answer, reply));
+  EXPECT_EQ(reply.applied_tick, 70);
+  EXPECT_FALSE(device.owner.on_reply(answer, reply));  // once
+  --device.asked;                                      // the answer was lost: the same again
+  EXPECT_EQ(device.ask(request_t::DISTURB, push).id, 3);
+  EXPECT_TRUE(device.answered);
+}
+
+TEST(Hardware, ADeviceThatDoesNotAnswerIsARefusal) {
+  Device device;
+  device.arm();
+  request_t push{};
+  push.kind = request_t::LOAD;
+  device.ask(request_t::DISTURB, push);
+  reply_t reply{};
+  int periods = 0;
+  while (!device.owner.overdue(reply) && periods < 10'000) ++periods;
+  EXPECT_EQ(periods, 499);
+  EXPECT_EQ(reply.result, reply_t::REFUSED);
+}
+
+TEST(Hardware, DoesNotAllocate) {
+  Device device;
+  device.arm();
+  device.commanded = true;
+  state_t state{};
+  sensors_t sensors{};
+  status_t status{};
+  const AllocationCounter allocations;
+  for (int i = 0; i < 20; ++i) {
+    device.run(1);
+    device.owner.take_command();
+    device.owner.fill(state);
+    device.owner.fill(sensors);
+    device.owner.fill(status);
+  }
+  EXPECT_EQ(allocations.count(), 0);
+}
+
+}  // namespace
+}  // namespace gyrotwin
