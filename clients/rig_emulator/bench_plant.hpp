@@ -41,13 +41,11 @@ class BenchPlant {
 
  private:
   void hold(const model::Input& input) noexcept;
-  void move(const model::Input& input) noexcept;
-  void spin(const model::Input& input, model::State& state) const noexcept;
   void look() noexcept;
 
   const Rig& rig_;
   model::Machine machine_;
-  Plant plant_;
+  GroundedPlant plant_;
   Schedule schedule_;
   SimulatedSensors sensing_;
   model::Input input_;
@@ -55,7 +53,6 @@ class BenchPlant {
   sensors_t sensors_{};
   std::int64_t tick_ = 0;
   bool propped_ = true;
-  bool lying_ = false;  // fallen flat: nothing moves any more but the rotors
   bool sound_ = true;
 };
 

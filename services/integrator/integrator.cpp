@@ -11,9 +11,6 @@ namespace gyrotwin {
 
 namespace {
 
-// Beyond this tilt a structure lies on the ground, which the model does not have [rad].
-constexpr double kLyingTilt = 1.4;
-
 static_assert(Rig::Loop::kMaxCommandDelay == CommandGate::kMaxDelay);
 
 template <std::size_t N>
@@ -33,7 +30,7 @@ Integrator::Integrator(const Rig& rig, std::int64_t epoch)
     : Owner(rig, epoch),
       machine_(rig.build_machine()),
       valid_(valid_groups(machine_)),
-      plant_(machine_, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps}),
+      plant_(machine_, rig.loop),
       schedule_(rig, machine_),
       safe_stop_(rig, machine_) {
   if (rig.sensors) sensing_.emplace(rig, machine_);
@@ -59,30 +56,12 @@ void Integrator::look() noexcept {
   schedule_.corrupt(tick_, sensors_);
 }
 
-/// Rotors alone, in steps as in a tick.
-void Integrator::run_rotors(const model::Input& input, double seconds) noexcept {
-  const double h = rig_.loop.tick_s() / rig_.loop.substeps;
-  model::State state = plant_.state();
-  const auto moved = [&](const model::RotorSpeeds& rate, double dt) {
-    model::State next = plant_.state();
-    for (std::size_t j = 0; j < rate.size(); ++j) {
-      next.rotor_speed[j] = state.rotor_speed[j] + dt * rate[j];
-    }
-    return next;
-  };
-  for (std::int64_t k = std::llround(seconds / h); k > 0; --k) {
-    const model::State middle = moved(machine_.rotor_acceleration(state, input), 0.5 * h);
-    state = moved(machine_.rotor_acceleration(middle, input), h);
-  }
-  plant_.set_state(state);
-}
-
 bool Integrator::hold(double seconds) noexcept {
   if (mode() != Mode::kHeld || !rotors_asked_) return false;
   const model::RotorSpeeds before = plant_.state().rotor_speed;
   model::Input input;
   input.rotor_powered.fill(rotors_powered());
-  run_rotors(input, seconds);
+  plant_.run_rotors(input, seconds);
   stand(plant_.state());
   return plant_.state().rotor_speed != before;
 }
@@ -127,9 +106,7 @@ void Integrator::advance() noexcept {
   schedule_.apply(tick_, input);
 
   history_[recorded_++ % kHistory] = {tick_, plant_.state(), input};
-  if (lying_) {
-    run_rotors(input, rig_.loop.tick_s());
-  } else if (!plant_.advance(input)) {
+  if (!plant_.advance(input)) {
     enter(Event::kNotFinite,
           "the solver failed or the state is not finite; the log has the last ticks");
     return;
@@ -139,14 +116,8 @@ void Integrator::advance() noexcept {
   evaluations_max_ = std::max(evaluations_max_, plant_.evaluations());
   truth_ = machine_.truth(plant_.state(), input_);
 
-  const double tilt = machine_.tilt(plant_.state());
-  if (tilt > rig_.safety.fall_tilt_rad)
+  if (machine_.tilt(plant_.state()) > rig_.safety.fall_tilt_rad) {
     enter(Event::kTiltLimit, "tilt beyond safety.fall_tilt_rad");
-  if (tilt > kLyingTilt && !lying_) {
-    model::State lying = plant_.state();
-    lying.v.setZero();
-    plant_.set_state(lying);
-    lying_ = true;
   }
   look();
   if (estimator_) estimator_->step(sensors_);

@@ -8,10 +8,10 @@
 
 #include "messages/channels.hpp"
 #include "services/integrator/plant.hpp"
-#include "services/integrator/safe_stop.hpp"
 #include "services/integrator/schedule.hpp"
 #include "services/integrator/simulated_sensors.hpp"
 #include "services/onboard/estimator.hpp"
+#include "services/onboard/safe_stop.hpp"
 #include "services/runtime/owner.hpp"
 
 namespace gyrotwin {
@@ -52,7 +52,7 @@ class Integrator final : public Owner {
   bool command_link_cut() const noexcept { return schedule_.command_lost(tick_); }
   /// Stands still until the controller answers (lockstep).
   bool waiting_for_controller() const noexcept { return waiting_for_controller_; }
-  const Plant& plant() const noexcept { return plant_; }
+  const GroundedPlant& plant() const noexcept { return plant_; }
 
   /// Everything but header and mac.
   void fill(state_t& state) const noexcept;
@@ -83,14 +83,13 @@ class Integrator final : public Owner {
 
   void stand(const model::State& state) noexcept;
   void look() noexcept;
-  void run_rotors(const model::Input& input, double seconds) noexcept;
   bool rotors_powered() const noexcept { return rotors_asked_.value_or(true); }
   double rotor_share() const noexcept;
   double rotor_time(bool powered) const noexcept;
 
   model::Machine machine_;
   std::int32_t valid_;
-  Plant plant_;
+  GroundedPlant plant_;
   Schedule schedule_;
   SafeStop safe_stop_;
   model::Input input_;                         // of the last tick
@@ -104,7 +103,6 @@ class Integrator final : public Owner {
   double speed_ = 1.0;
   std::int64_t steps_left_ = 0;  // of a step request
   bool waiting_for_controller_ = false;
-  bool lying_ = false;  // fallen flat: nothing moves any more
   std::int64_t evaluations_max_ = 0;
   std::array<TickRecord, kHistory> history_{};
   std::int64_t recorded_ = 0;  // ticks of this run in history_, the one that failed included

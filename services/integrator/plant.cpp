@@ -55,6 +55,46 @@ bool Plant::advance(const model::Input& input) noexcept {
   return true;
 }
 
+GroundedPlant::GroundedPlant(const model::Machine& machine, const Rig::Loop& loop)
+    : plant_(machine, loop.tick_s(), {.adaptive = false, .substeps = loop.substeps}),
+      tick_s_(loop.tick_s()),
+      substeps_(loop.substeps) {}
+
+void GroundedPlant::set_state(const model::State& state) noexcept {
+  plant_.set_state(state);
+  lying_ = false;
+}
+
+bool GroundedPlant::advance(const model::Input& input) noexcept {
+  if (lying_) {
+    run_rotors(input, tick_s_);
+    return true;
+  }
+  if (!plant_.advance(input)) return false;
+  if (machine().tilt(state()) > kLyingTilt) {
+    model::State lying = state();
+    lying.v.setZero();
+    plant_.set_state(lying);
+    lying_ = true;
+  }
+  return true;
+}
+
+void GroundedPlant::run_rotors(const model::Input& input, double seconds) noexcept {
+  const double h = tick_s_ / substeps_;
+  model::State state = plant_.state();
+  const auto moved = [&state](const model::RotorSpeeds& rate, double dt) {
+    model::State next = state;
+    for (std::size_t j = 0; j < rate.size(); ++j) next.rotor_speed[j] += dt * rate[j];
+    return next;
+  };
+  for (std::int64_t k = std::llround(seconds / h); k > 0; --k) {
+    const model::State middle = moved(machine().rotor_acceleration(state, input), 0.5 * h);
+    state = moved(machine().rotor_acceleration(middle, input), h);
+  }
+  plant_.set_state(state);
+}
+
 double stepping_error(const Rig& rig, const model::Machine& machine) {
   constexpr double kDuration = 0.25;   // [s]
   constexpr double kFrequency = 8.0;   // of the drive torque [Hz]

@@ -58,6 +58,34 @@ class Plant {
   model::State state_;
 };
 
+/// A plant with the ground under it, at the rig's ticks.
+class GroundedPlant {
+ public:
+  /// Beyond this tilt a structure lies on the ground, which the model does not have: it comes to
+  /// rest, and its rotors alone move on [rad].
+  static constexpr double kLyingTilt = 1.4;
+
+  /// @param machine outlives the plant
+  GroundedPlant(const model::Machine& machine, const Rig::Loop& loop);
+
+  const model::Machine& machine() const noexcept { return plant_.machine(); }
+  const model::State& state() const noexcept { return plant_.state(); }
+  void set_state(const model::State& state) noexcept;
+
+  /// As Plant::advance().
+  bool advance(const model::Input& input) noexcept;
+  /// The rotors alone, for so long [s], in steps as in a tick.
+  void run_rotors(const model::Input& input, double seconds) noexcept;
+
+  std::int64_t evaluations() const noexcept { return plant_.evaluations(); }
+
+ private:
+  Plant plant_;
+  double tick_s_;
+  int substeps_;
+  bool lying_ = false;
+};
+
 /// Largest error [rad] of any coordinate of the rig's fixed-step plant against a tight adaptive
 /// solution, over a fixed scenario: a quarter second from the initial state at nominal rotor
 /// speeds, with the reference push and the drives swinging through a tenth of their torque limit.

@@ -92,7 +92,6 @@ bool Integrator::reset(const request_t& request, std::int64_t fresh_epoch,
   begin_run(fresh_epoch);
   recorded_ = 0;
   unobeyed_tick_ = -1;
-  lying_ = false;
   rotors_asked_.reset();
   schedule_.reset();
   stand(initial);

@@ -62,7 +62,7 @@ struct ClosedLoop {
   }
 
   double tilt_deg() const {
-    const Plant& plant = integrator.plant();
+    const GroundedPlant& plant = integrator.plant();
     return plant.machine().tilt(plant.state()) * 180.0 / std::numbers::pi;
   }
 
