@@ -2,8 +2,7 @@
 // rig is in its safe stop within the ticks it promises, says why, and comes back by reset and arm.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
+#include "services/runtime/text.hpp"
 #include "tests/support/lab.hpp"
 
 namespace gyrotwin {
@@ -47,11 +46,7 @@ TEST_P(LineTrouble, EndsInASafeStopThatSaysWhy) {
       60.0));
   for (int i = 0; i < 100 && lab.run("ctl", {"reset"}) != 0; ++i) {
   }
-  ASSERT_EQ(lab.run("ctl", {"wait", "ready", "--timeout", "30"}), 0) << lab.said;
-  for (int i = 0; i < 100 && lab.run("ctl", {"arm"}) != 0; ++i) {
-  }
-  EXPECT_EQ(lab.run("ctl", {"wait", "balanced", "--timeout", "60"}), 0)
-      << lab.said << lab.owner->output();
+  lab.balance_in_real_time();
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, LineTrouble,
@@ -72,8 +67,7 @@ TEST(Hardware, SurvivesFlippedBits) {
   lab.owner = lab.start("hardware", {"--device", lab.line()});
   lab.controller = lab.start("controller");
   ASSERT_EQ(lab.run("ctl", {"wait", "ready", "--timeout", "30"}), 0) << lab.said;
-  ASSERT_EQ(lab.run("ctl", {"arm"}), 0) << lab.said << lab.owner->output();
-  EXPECT_EQ(lab.run("ctl", {"wait", "balanced", "--timeout", "60"}), 0) << lab.said;
+  ASSERT_NO_FATAL_FAILURE(lab.balance_in_real_time());
   EXPECT_TRUE(lab.until([](const Reception& reception) {
     if (reception.channel != Channel::kLink) return false;
     link_t link;
@@ -103,9 +97,7 @@ TEST(Hardware, OpensTheLineAgain) {
     Bus::decode(reception, link);
     return link.connected != 0 && link.reconnects == 1;
   }));
-  ASSERT_EQ(lab.run("ctl", {"wait", "ready", "--timeout", "30"}), 0) << lab.said;
-  ASSERT_EQ(lab.run("ctl", {"arm"}), 0) << lab.said;
-  EXPECT_EQ(lab.run("ctl", {"wait", "balanced", "--timeout", "60"}), 0) << lab.said;
+  lab.balance_in_real_time();
 }
 
 /// The daemon dies: the device stops by itself, and another daemon takes over.

@@ -45,9 +45,7 @@ double await_tilt(Lab& lab, Holds holds, double limit_s) {
 TEST_P(Swap, BalancesIsPushedRecoversAndStops) {
   Lab lab("prototype_b", kSlowTicks);
   ASSERT_NO_FATAL_FAILURE(lab.start_daemons(GetParam()));
-  ASSERT_EQ(lab.run("ctl", {"arm"}), 0) << lab.said << lab.owner->output();
-  ASSERT_EQ(lab.run("ctl", {"wait", "balanced", "--timeout", "60"}), 0)
-      << lab.said << lab.owner->output() << lab.controller->output();
+  ASSERT_NO_FATAL_FAILURE(lab.balance_in_real_time());
 
   const auto push = lab.start("disturb", {"impulse", "--watch", "0"});
   const double peak = await_tilt(
@@ -66,9 +64,7 @@ TEST_P(Swap, BalancesIsPushedRecoversAndStops) {
 TEST_P(Swap, WithoutItsControllerItStopsSafely) {
   Lab lab("double_brennan", kSlowTicks);
   ASSERT_NO_FATAL_FAILURE(lab.start_daemons(GetParam()));
-  ASSERT_EQ(lab.run("ctl", {"arm"}), 0) << lab.said << lab.owner->output();
-  ASSERT_EQ(lab.run("ctl", {"wait", "balanced", "--timeout", "60"}), 0)
-      << lab.said << lab.owner->output() << lab.controller->output();
+  ASSERT_NO_FATAL_FAILURE(lab.balance_in_real_time());
   lab.controller->signal(SIGKILL);
   std::int64_t last_command = -1, first_stopped = -1;
   ASSERT_TRUE(lab.until([&](const Reception& reception) {
