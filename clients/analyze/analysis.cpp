@@ -46,7 +46,7 @@ std::string caution_for(const Rig& rig, const Analysis& analysis) {
   const Case& filed = analysis.as_filed();
   const Trial& trial = filed.pushed ? *filed.pushed : filed.undisturbed;
   return fmt::format(
-      "mount `level` is an idealisation: something outside held the disc level with up to {:.3g} "
+      "mount level is an idealisation: something outside held the disc level with up to {:.3g} "
       "N m{}. With nothing outside it {}.",
       trial.largest_holding_moment, filed.pushed ? " while it was pushed" : "",
       analysis.cases.back().sentence);
@@ -67,7 +67,8 @@ Analysis analyse(const Rig& rig, double duration, int threads) {
   analysis.reason = reason_for(rig, filed, analysis.theory);
   analysis.caution = caution_for(rig, analysis);
   analysis.comparisons = compare_solutions(rig);
-  if (filed.standing != Standing::kFalls && filed.undisturbed.outcome.verdict.has_tilt()) {
+  const bool up = filed.standing != Standing::kFalls && filed.standing != Standing::kLeans;
+  if (up && filed.undisturbed.outcome.verdict.has_tilt()) {
     analysis.limits = limits_of(rig, filed.push_at, duration / 3.0, threads);
   }
   return analysis;

@@ -27,11 +27,6 @@ Trial undisturbed_run(const Rig& rig, const model::Machine& machine, double dura
   return run_trial(rig, machine, live_scenario(rig, machine, duration));
 }
 
-/// Growth of small deviations, where that is known for long [1/s].
-std::optional<double> growth_of(const Case& seen) {
-  return seen.linear ? seen.linear->growth() : std::nullopt;
-}
-
 /// What is still moving when it is pushed may decide the outcome: the push waits for it.
 double push_time(const Case& seen) {
   const double decay = -growth_of(seen).value_or(0.0);
@@ -65,22 +60,59 @@ void judge_without_tilt(Case& seen) {
                   degrees(trial.least_gimbal_margin), sinks ? ", and still closing in" : "");
 }
 
+/// Why one that stands undisturbed does not with its reference push; empty: it does.
+std::string pushed_off(const Rig& rig, const Case& seen) {
+  if (!seen.pushed) return "";
+  const Verdict& verdict = seen.pushed->outcome.verdict;
+  const std::string push =
+      fmt::format("its reference push of {:g} N m s", rig.reference_impulse_nms);
+  switch (fate_of(*seen.pushed, growth_of(seen))) {
+    case Fate::kStands:
+      return "";
+    case Fate::kGrows:
+      return fmt::format("its tilt still grows {:.3g} s after {}",
+                         seen.pushed->outcome.t - seen.push_at, push);
+    case Fate::kLeans:
+      return verdict.leaning_text() + " after " + push;
+    case Fate::kFalls:
+      return fmt::format("falls {:.3g} s after {}",
+                         verdict.fell_at().value_or(seen.pushed->outcome.t) - seen.push_at, push);
+  }
+  return "";
+}
+
 }  // namespace
+
+std::optional<double> growth_of(const Case& seen) {
+  return seen.linear ? seen.linear->growth() : std::nullopt;
+}
+
+Fate fate_of(const Trial& trial, std::optional<double> growth) {
+  const Verdict& verdict = trial.outcome.verdict;
+  if (!trial.stood()) return Fate::kFalls;
+  if (verdict.leans()) return Fate::kLeans;
+  const bool dies_out = growth && *growth < -kNoGrowth;
+  return verdict.growing() && !dies_out ? Fate::kGrows : Fate::kStands;
+}
 
 void judge(const Rig& rig, Case& seen) {
   const Trial& trial = seen.undisturbed;
   if (!trial.outcome.verdict.has_tilt()) return judge_without_tilt(seen);
-  if (!trial.stood()) {
+  const std::optional<double> growth = growth_of(seen);
+  const Fate fate = fate_of(trial, growth);
+  if (fate == Fate::kFalls) {
     seen.standing = Standing::kFalls;
     seen.sentence = fmt::format("falls after {:.3g} s",
                                 trial.outcome.verdict.fell_at().value_or(trial.outcome.t));
     return;
   }
-  const std::optional<double> growth = growth_of(seen);
+  if (fate == Fate::kLeans) {
+    seen.standing = Standing::kLeans;
+    seen.sentence = trial.outcome.verdict.leaning_text() + ": " + how_it_ended(trial);
+    return;
+  }
   const bool grows = growth && *growth > kNoGrowth;
-  const bool seen_growing = trial.outcome.verdict.growing();
-  if ((grows && (seen_growing || *growth * trial.outcome.t < kSurely)) ||
-      (!growth && seen_growing)) {
+  if (fate == Fate::kGrows || (grows && *growth * trial.outcome.t < kSurely)) {
     seen.standing = Standing::kDoubtful;
     seen.sentence = "stands so far: " + how_it_ended(trial) + ", and growing";
     if (grows) {
@@ -90,12 +122,9 @@ void judge(const Rig& rig, Case& seen) {
     }
     return;
   }
-  if (seen.pushed && !seen.pushed->stood()) {
+  if (const std::string off = pushed_off(rig, seen); !off.empty()) {
     seen.standing = Standing::kDoubtful;
-    seen.sentence = fmt::format(
-        "stands, but falls {:.3g} s after its reference push of {:g} N m s",
-        seen.pushed->outcome.verdict.fell_at().value_or(seen.pushed->outcome.t) - seen.push_at,
-        rig.reference_impulse_nms);
+    seen.sentence = "stands, but " + off;
     return;
   }
   const bool stayed = trial.end_tilt > kStayed * trial.largest_tilt;
@@ -117,6 +146,8 @@ std::string word_for(Standing standing) {
       return "neutral";
     case Standing::kDoubtful:
       return "doubtful";
+    case Standing::kLeans:
+      return "leans";
     case Standing::kFalls:
       return "falls";
   }

@@ -10,15 +10,27 @@
 
 namespace gyrotwin {
 
+/// What becomes of one run.
+enum class Fate {
+  kStands,
+  kGrows,  ///< not fallen, but its tilt still grows at the end
+  kLeans,  ///< toppled onto its gimbals' stops, which hold it
+  kFalls
+};
+
+/// @param growth of small deviations, where it is known; what is known to die out does not grow
+Fate fate_of(const Trial& trial, std::optional<double> growth);
+
 /// How a rig fares.
 enum class Standing {
   kStands,    ///< comes back from small deviations and from its reference push
   kNeutral,   ///< neither comes back nor departs
-  kDoubtful,  ///< stands, but departs slowly, or falls when it gets its reference push
+  kDoubtful,  ///< stands, but departs slowly, or does not when it gets its reference push
+  kLeans,     ///< toppled onto its gimbals' stops, which hold it
   kFalls      ///< from its initial state; without a tilt: a gimbal meets its stop
 };
 
-/// "stands", "neutral", "doubtful", "falls".
+/// "stands", "neutral", "doubtful", "leans", "falls".
 std::string word_for(Standing standing);
 
 /// One way to run the rig, simulated and linearised.
@@ -34,6 +46,9 @@ struct Case {
   std::optional<Trial> pushed;  ///< with the reference push; absent: there is none, or it fell
   std::optional<LinearModel> linear;
 };
+
+/// Growth of small deviations, where that is known for long [1/s].
+std::optional<double> growth_of(const Case& seen);
 
 /// Sets standing and sentence by all the rest.
 void judge(const Rig& rig, Case& seen);

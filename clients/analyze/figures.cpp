@@ -20,15 +20,12 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kLocusSteps = 60;
 constexpr int kMapCells = 28;
+constexpr double kPossible = 0.98;  // of the mass that the inertia about the support allows
 constexpr double kZoom =
     20.0;  // fast modes this much faster than slow ones get a chart of their own
 
 double between(const KeyRange& range, int i, int steps) {
   return range.low + (range.high - range.low) * i / (steps - 1);
-}
-
-std::string setting(const std::string& key, double value) {
-  return fmt::format("{}={:.17g}", key, value);
 }
 
 /// Eigenvalues of that member; empty where it has none.
@@ -75,14 +72,24 @@ Locus locus_of(const std::vector<Eigen::VectorXcd>& found, const KeyRange& range
   return locus;
 }
 
-void add_locus(const RigFamily& family, const KeyRange& range, int threads,
+Curve own_eigenvalues(const LinearModel& own) {
+  Curve curve{"this rig", {}, {}, Curve::Style::kCrosses, 6};
+  for (const std::complex<double>& rate : own.modes.eigenvalues) {
+    curve.x.push_back(rate.real());
+    curve.y.push_back(rate.imag());
+  }
+  return curve;
+}
+
+void add_locus(const RigFamily& family, const LinearModel& own, const KeyRange& range, int threads,
                std::vector<Figure>& all) {
   std::vector<Eigen::VectorXcd> found(kLocusSteps);
   for_each_index(kLocusSteps, threads, [&](std::size_t i) {
     const double value = between(range, static_cast<int>(i), kLocusSteps);
     found[i] = eigenvalues_of(family, {setting(range.key, value)});
   });
-  const Locus locus = locus_of(found, range);
+  Locus locus = locus_of(found, range);
+  locus.curves.push_back(own_eigenvalues(own));
   Chart chart{"Root locus over " + range.key,
               {"real part: growth [1/s]"},
               {"imaginary part: swing [rad/s]"},
@@ -102,8 +109,10 @@ void add_locus(const RigFamily& family, const KeyRange& range, int threads,
   all.push_back({svg(chart), "The same, close to the origin: the slow motions decide."});
 }
 
+/// @param own values of the rig itself, where they are known
 void add_map(const RigFamily& family, const Rig& rig, const std::pair<KeyRange, KeyRange>& keys,
-             int threads, std::vector<Figure>& all) {
+             const std::optional<std::pair<double, double>>& own, int threads,
+             std::vector<Figure>& all) {
   const auto& [across, up] = keys;
   CellMap map;
   map.title = "Growth rate over two parameters";
@@ -114,6 +123,7 @@ void add_map(const RigFamily& family, const Rig& rig, const std::pair<KeyRange, 
     map.xs.push_back(between(across, i, kMapCells));
     map.ys.push_back(between(up, i, kMapCells));
   }
+  if (own) map.curves = {{"this rig", {own->first}, {own->second}, Curve::Style::kCrosses}};
   map.values.assign(map.xs.size() * map.ys.size(), kNaN);
   for_each_index(map.values.size(), threads, [&](std::size_t cell) {
     const double x = map.xs[cell % map.xs.size()];
@@ -133,6 +143,10 @@ const char* parse_number(const char* begin, const char* end, double& value) {
 }
 
 }  // namespace
+
+std::string setting(const std::string& key, double value) {
+  return fmt::format("{}={:.17g}", key, value);
+}
 
 KeyRange parse_range(const std::string& text) {
   const std::size_t equals = text.find('=');
@@ -165,15 +179,21 @@ FigureKeys default_keys(const Rig& rig) {
   const char* rotor_key = "gyros.rotor_speed_rad_s";
   if (const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine)) {
     const std::optional<double> speed = rig.controller.disc_speed;
+    const auto& s = umbrella->structure;
+    const double least = std::min(s.inertia_x, s.inertia_y), height2 = s.cm_height * s.cm_height;
     return keys_with(
         around(rotor_key, umbrella->gyros.rotor_speed, 0.1, 1.6),
         speed.value_or(0.0) != 0.0
             ? around("controller.disc_speed_rad_s", *speed, 0.1, 2.6)
-            : around("structure.cm_height_m", umbrella->structure.cm_height, 0.5, 1.6));
+            : around("structure.cm_height_m", s.cm_height, 0.5,
+                     std::min(1.6, std::sqrt(kPossible * least / (s.mass * height2)))));
   }
   if (const auto* gimballed = std::get_if<model::GimballedParameters>(&rig.machine)) {
+    const auto& s = gimballed->structure;
+    const double point = s.mass * s.cm_height * s.cm_height;
     return keys_with(around(rotor_key, gimballed->gyros.rotor_speed, 0.05, 1.6),
-                     around("structure.mass_kg", gimballed->structure.mass, 0.7, 1.5));
+                     around("structure.mass_kg", s.mass, 0.7,
+                            std::min(1.5, kPossible * s.inertia_tilt / point)));
   }
   return {};
 }
@@ -191,8 +211,8 @@ std::vector<Figure> figures_of(const Rig& rig, const Analysis& analysis, const R
     all.push_back({svg(potential->chart), potential->caption});
   }
   if (analysis.as_filed().linear) {
-    if (keys.locus) add_locus(family, *keys.locus, threads, all);
-    if (keys.map) add_map(family, rig, *keys.map, threads, all);
+    if (keys.locus) add_locus(family, *analysis.as_filed().linear, *keys.locus, threads, all);
+    if (keys.map) add_map(family, rig, *keys.map, keys.own, threads, all);
   }
   return all;
 }

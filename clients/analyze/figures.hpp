@@ -25,10 +25,14 @@ struct KeyRange {
 /// @throws Error naming the text and what is expected
 KeyRange parse_range(const std::string& text);
 
+/// `key=value`, every digit.
+std::string setting(const std::string& key, double value);
+
 /// Which keys the root locus and the stability map vary.
 struct FigureKeys {
   std::optional<KeyRange> locus;
-  std::optional<std::pair<KeyRange, KeyRange>> map;
+  std::optional<std::pair<KeyRange, KeyRange>> map = {};
+  std::optional<std::pair<double, double>> own = {};  ///< the rig's values of the map's keys
 };
 
 /// Rotor speed for the locus; rotor speed, and disc speed or the height of the centre of mass, for

@@ -41,8 +41,9 @@ enum class Role {
 struct Condition {
   std::string key;
   std::string claim;    ///< "H^2 > C U"
-  std::string meaning;  ///< what it decides, in plain words
+  std::string meaning;  ///< what it does where it holds, in plain words
   double value, required;
+  std::string relation;  ///< of value to required, ">" or "<"; empty: a matter of yes or no
   std::string unit;
   bool holds;
   Role role;

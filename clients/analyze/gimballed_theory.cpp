@@ -115,7 +115,7 @@ void add_rules(const TiltAxis& axis, const model::ReducedGimballed& r,
   const Gains& g = axis.gains;
   const std::string where = axis.name;
   all.push_back(above("accelerating", "U kap > 0" + where,
-                      "the gimbals of a machine that topples must be pushed on in their "
+                      "the gimbals of the machine that topples are pushed on in their "
                       "precession, not held back (Brennan)",
                       U * g.spring, 0.0, "N^2 m^2/rad^2", Role::kExplains));
   if (U > 0.0 && g.spring > 0.0 && g.tilt == 0.0 && g.damping == 0.0) {
@@ -125,10 +125,10 @@ void add_rules(const TiltAxis& axis, const model::ReducedGimballed& r,
   }
   if (U > 0.0 && H * g.tilt > 0.0) {
     all.push_back(above("nutation_damped", "cq > kth J/(H + krate)" + where,
-                        "less pumps the nutation", cq + g.damping, g.tilt * J / (H + g.rate),
-                        "N m s/rad", Role::kExplains));
+                        "enough damping not to pump the nutation", cq + g.damping,
+                        g.tilt * J / (H + g.rate), "N m s/rad", Role::kExplains));
     all.push_back(below("precession_damped", "cq < (kth H - cth kap)/U" + where,
-                        "more lets the slow swing grow", cq + g.damping,
+                        "little enough damping for the slow swing to die out", cq + g.damping,
                         (H * g.tilt - cth * g.spring) / U, "N m s/rad", Role::kExplains));
   }
 }
@@ -185,13 +185,12 @@ Theory gyroscope_theory(const Rig& rig, const model::GyroscopeParameters& p) {
     add("sink_rate", "cp W/h", "at which friction of the post lowers the axle, left alone",
         y.post_damping * weight / (h * h), "rad/s");
   }
-  theory.conditions.push_back(yes_no("spin", "h != 0",
-                                     "a flywheel that does not spin carries nothing", h != 0.0,
-                                     weight != 0.0 ? Role::kDecides : Role::kAdvises));
+  theory.conditions.push_back(yes_no("spin", "h != 0", "the flywheel spins, and so can carry",
+                                     h != 0.0, weight != 0.0 ? Role::kDecides : Role::kAdvises));
   const bool driven = rig.controller.law != LawKind::kNone;
   if (y.post_damping * weight != 0.0) {
     theory.conditions.push_back(yes_no("post_friction", "the drive replaces what the post takes",
-                                       "left alone the axle sinks to its stop", driven,
+                                       "the axle does not sink to its stop", driven,
                                        Role::kAdvises));
   }
   return theory;

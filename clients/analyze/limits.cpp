@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "clients/analyze/loads.hpp"
 #include "clients/common/parallel.hpp"
@@ -39,7 +40,7 @@ void set(AskedEvent& asked, std::string_view name, double value) {
 
 Attempt attempt(const Rig& rig, const model::Machine& machine, const Load& load, double strength,
                 const Span& span) {
-  Attempt worst{true, 0.0};
+  Attempt worst{Fate::kStands, 0.0};
   for (int seed = 1; seed <= (load.random ? kGustSeeds : 1); ++seed) {
     AskedEvent asked;
     asked.kind = event_kind(load.kind);
@@ -49,10 +50,10 @@ Attempt attempt(const Rig& rig, const model::Machine& machine, const Load& load,
     scenario.events = {event_at(rig, asked, span.begin, load.key)};
     const Trial trial = run_trial(rig, machine, scenario);
     worst.largest_tilt = std::max(worst.largest_tilt, trial.largest_tilt);
-    const bool departs = trial.outcome.verdict.growing() &&
-                         trial.largest_tilt >= kGrowingFalls * rig.safety.fall_tilt_rad;
-    worst.stands = trial.stood() && !departs;
-    if (!worst.stands) return worst;
+    worst.fate = fate_of(trial, std::nullopt);
+    const bool far = trial.largest_tilt >= kGrowingFalls * rig.safety.fall_tilt_rad;
+    if (worst.fate == Fate::kGrows && !far) worst.fate = Fate::kStands;
+    if (worst.fate != Fate::kStands) return worst;
   }
   return worst;
 }
@@ -81,25 +82,27 @@ std::vector<Load> loads_of(const Rig& rig, const model::Machine& machine) {
 }  // namespace
 
 Bracket bracket_of(const std::function<Attempt(double strength)>& attempt, double first_guess) {
-  Bracket bracket{.falls = std::numeric_limits<double>::infinity()};
+  Bracket bracket{.ends = std::numeric_limits<double>::infinity()};
   const auto tries = [&](double strength) {
     const Attempt made = attempt(strength);
-    if (made.stands) {
+    const bool stands = made.fate == Fate::kStands;
+    if (stands) {
       bracket.stands = strength;
       bracket.largest_tilt = made.largest_tilt;
     } else {
-      bracket.falls = strength;
+      bracket.ends = strength;
+      bracket.how = made.fate;
     }
-    return made.stands;
+    return stands;
   };
   const bool up = tries(first_guess);
   for (int i = 0; i < kDoublings; ++i) {
-    const double next = up ? 2.0 * bracket.stands : 0.5 * bracket.falls;
+    const double next = up ? 2.0 * bracket.stands : 0.5 * bracket.ends;
     if (tries(next) != up) break;
   }
-  if (bracket.stands == 0.0 || std::isinf(bracket.falls)) return bracket;
-  while (bracket.falls > (1.0 + kAccuracy) * bracket.stands) {
-    tries(0.5 * (bracket.stands + bracket.falls));
+  if (bracket.stands == 0.0 || std::isinf(bracket.ends)) return bracket;
+  while (bracket.ends > (1.0 + kAccuracy) * bracket.stands) {
+    tries(0.5 * (bracket.stands + bracket.ends));
   }
   return bracket;
 }

@@ -5,21 +5,23 @@
 #include <string>
 #include <vector>
 
+#include "clients/analyze/cases.hpp"
 #include "services/model/machine.hpp"
 #include "services/runtime/rig.hpp"
 
 namespace gyrotwin {
 
-/// Whether a load is stood, and how far the rig tilts under it.
+/// What becomes of a rig under a load, and how far it tilts.
 struct Attempt {
-  bool stands;
+  Fate fate;
   double largest_tilt;  ///< [rad]
 };
 
 /// Where standing ends.
 struct Bracket {
   double stands = 0.0;        ///< the strongest that was seen to stand; 0: none
-  double falls;               ///< the weakest above it that was seen to fall; infinite: none
+  double ends;                ///< the weakest above it that was not stood; infinite: none
+  Fate how = Fate::kFalls;    ///< what became of it there
   double largest_tilt = 0.0;  ///< at the strongest that stands [rad]
 };
 
@@ -28,8 +30,8 @@ struct Bracket {
 /// @param first_guess > 0
 Bracket bracket_of(const std::function<Attempt(double strength)>& attempt, double first_guess);
 
-/// A tilt that still grows at a run's end counts as fallen from this share of the fall limit on;
-/// below it, swings that come and go (as in a gust) may well have their largest one last.
+/// A tilt that still grows at a run's end is not stood from this share of the fall limit on; under
+/// a load of chance, whose largest swing may well be the last, it counts for nothing.
 inline constexpr double kGrowingFalls = 0.25;
 
 /// The strongest load of one kind that it stands.
@@ -42,7 +44,8 @@ struct Limit {
 };
 
 /// Impulse, constant moment and gust about x, and about y where the machine has a pitch, beginning
-/// with the size of the rig's reference push. A gust is stood when it is for three seeds.
+/// with the size of the rig's reference push. A load is stood when it ends neither in a fall nor
+/// with the gimbals in their stops; a gust, when that is so for three seeds.
 /// @param begin when the load comes [s]
 /// @param duration of each run from then on [s]
 /// @param threads that share the work

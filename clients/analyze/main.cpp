@@ -1,8 +1,12 @@
 // gyrotwin-analyze: does a rig stand, by how much, and why.
+#include <toml++/toml.h>
+
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "clients/analyze/analysis.hpp"
 #include "clients/analyze/figures.hpp"
@@ -11,6 +15,7 @@
 #include "clients/common/variation.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/rig.hpp"
 
 namespace gyrotwin {
 
@@ -46,11 +51,48 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("KEY=LOW:HIGH");
 }
 
-FigureKeys keys_for(const Rig& rig, const Options& options) {
+/// What the rig file has under the map's keys, where both are numbers.
+std::optional<std::pair<double, double>> own_values(const std::string& rig_text,
+                                                    const std::pair<KeyRange, KeyRange>& map) {
+  const toml::table rig = toml::parse(rig_text);
+  const auto x = rig.at_path(map.first.key).value<double>();
+  const auto y = rig.at_path(map.second.key).value<double>();
+  if (!x || !y) return std::nullopt;
+  return std::pair{*x, *y};
+}
+
+FigureKeys keys_for(const Rig& rig, const std::string& rig_text, const Options& options) {
   FigureKeys keys = default_keys(rig);
   if (!options.locus.empty()) keys.locus = parse_range(options.locus);
   if (!options.map.empty()) keys.map = {parse_range(options.map[0]), parse_range(options.map[1])};
+  if (keys.map) keys.own = own_values(rig_text, *keys.map);
   return keys;
+}
+
+/// @throws Error where no rig can be at either end or between, as with a misspelt key
+void check(const KeyRange& range, const RigFamily& family) {
+  std::string first;
+  for (const double value : {range.low, 0.5 * (range.low + range.high), range.high}) {
+    try {
+      family({setting(range.key, value)});
+      return;
+    } catch (const Error& error) {
+      if (first.empty()) first = error.what();
+    }
+  }
+  throw Error(first);
+}
+
+/// What was asked for is refused before the work begins.
+void check(const Options& options, const FigureKeys& keys, const RigFamily& family) {
+  if (options.report.empty()) {
+    if (options.locus.empty() && options.map.empty()) return;
+    throw Error("--locus and --map are pictures of the page: give --report FILE.html too");
+  }
+  if (!options.locus.empty()) check(*keys.locus, family);
+  if (options.map.empty()) return;
+  check(keys.map->first, family);
+  check(keys.map->second, family);
 }
 
 void write_file(const std::string& name, const std::string& text) {
@@ -67,7 +109,9 @@ int run(RigOptions& rig_options, const Options& options) {
     overrides.insert(overrides.end(), more.begin(), more.end());
     return load_rig(rig_options.name(), overrides);
   };
-  const FigureKeys keys = keys_for(rig, options);
+  const FigureKeys keys =
+      keys_for(rig, print_rig(rig_options.name(), rig_options.overrides()), options);
+  check(options, keys, family);
   const int processors = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
   const int threads = options.threads > 0 ? options.threads : processors;
   const Analysis analysis = analyse(rig, options.duration, threads);

@@ -152,11 +152,11 @@ Path path_from(const Rig& rig, const model::Machine& machine, double tilt, doubl
     set(machine.layout.disc_tilt[axis], roll ? tilt : 0.0, roll ? rate : 0.0);
   }
   const int roll = machine.layout.tilt[0];
-  const Columns seen =
-      record(rig, machine, scenario, [&](const Sample& sample) -> std::vector<double> {
-        return {sample.t, degrees(sample.state.q[roll]), degrees(sample.state.v[roll]),
-                machine.tilt(sample.state)};
-      });
+  const auto look = [&](const Sample& sample) -> std::vector<double> {
+    return {sample.t, degrees(sample.state.q[roll]), degrees(sample.state.v[roll]),
+            machine.tilt(sample.state)};
+  };
+  const Columns seen = record(rig, machine, scenario, look, true);
   const double most = *std::ranges::max_element(seen[3]);
   Path path{{}, {}, most > rig.safety.fall_tilt_rad};
   const double shown = kShown / toppling_rate(rig);
@@ -172,6 +172,26 @@ struct Potential {
   std::string name;
   std::function<double(double)> value;
 };
+
+/// How far to either side it is worth looking: some way beyond the outermost valley.
+double reach_of(const std::vector<Potential>& potentials, double fall) {
+  constexpr int kLooks = 4000;
+  constexpr double kBeyond = 4.0;
+  double outermost = 0.0;
+  for (std::size_t k = 1; k < potentials.size(); ++k) {  // the first is the weight's, without any
+    double lowest = 0.0, place = 0.0;
+    for (int i = 1; i < kLooks; ++i) {
+      const double tilt = fall * i / kLooks;
+      const double value = potentials[k].value(tilt);
+      if (value < lowest) {
+        lowest = value;
+        place = tilt;
+      }
+    }
+    if (place < 0.98 * fall) outermost = std::max(outermost, place);
+  }
+  return outermost > 0.0 ? std::min(kBeyond * outermost, fall) : fall;
+}
 
 std::vector<Potential> potentials_of(const Rig& rig) {
   std::vector<Potential> all;
@@ -281,21 +301,22 @@ std::optional<CaptionedChart> phase_portrait(const Rig& rig, int threads) {
 std::optional<CaptionedChart> amended_potential(const Rig& rig) {
   if (std::holds_alternative<model::GyroscopeParameters>(rig.machine)) return std::nullopt;
   constexpr int kPlaces = 400;
-  const double fall = rig.safety.fall_tilt_rad;
+  const std::vector<Potential> potentials = potentials_of(rig);
+  const double reach = reach_of(potentials, rig.safety.fall_tilt_rad);
   Chart chart{
-      "Amended potential", {"tilt [deg]", -degrees(fall), degrees(fall)}, {"potential [J]"}, {}};
+      "Amended potential", {"tilt [deg]", -degrees(reach), degrees(reach)}, {"potential [J]"}, {}};
   double depth = 0.0;
-  for (const Potential& potential : potentials_of(rig)) {
+  for (const Potential& potential : potentials) {
     Curve curve{potential.name,
                 {},
                 {},
                 chart.curves.empty() ? Curve::Style::kDashed : Curve::Style::kLine,
                 chart.curves.empty() ? 6 : static_cast<int>(chart.curves.size()) - 1};
     for (int i = 0; i <= kPlaces; ++i) {
-      const double tilt = fall * (2.0 * i / kPlaces - 1.0);
+      const double tilt = reach * (2.0 * i / kPlaces - 1.0);
       curve.x.push_back(degrees(tilt));
       curve.y.push_back(potential.value(tilt));
-      depth = std::max(depth, chart.curves.empty() ? -curve.y.back() : 0.0);
+      depth = std::max(depth, -curve.y.back());
     }
     chart.curves.push_back(curve);
   }

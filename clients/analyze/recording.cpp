@@ -32,10 +32,11 @@ class Recording : public Spectator {
 
 }  // namespace
 
-Columns record(const Rig& rig, const model::Machine& machine, Scenario scenario, const Look& look) {
+Columns record(const Rig& rig, const model::Machine& machine, Scenario scenario, const Look& look,
+               bool every_tick) {
   const double tick = rig.loop.tick_s();
   const double wanted = scenario.duration / kSamples;
-  const double sample = std::max(1.0, std::round(wanted / tick)) * tick;
+  const double sample = every_tick ? tick : std::max(1.0, std::round(wanted / tick)) * tick;
   scenario.duration = std::max(1.0, std::round(scenario.duration / sample)) * sample;
   scenario.sample = sample;
   Recording recording(machine, rig.safety.fall_tilt_rad, look);

@@ -13,7 +13,9 @@ using Columns = std::vector<std::vector<double>>;
 /// What is kept of an instant.
 using Look = std::function<std::vector<double>(const Sample&)>;
 
-/// Some 2000 instants of a run, evenly spaced, until its end or until it has lain down.
-Columns record(const Rig& rig, const model::Machine& machine, Scenario scenario, const Look& look);
+/// Some 2000 instants of a run, or every tick of it, evenly spaced, until its end or until it has
+/// lain down.
+Columns record(const Rig& rig, const model::Machine& machine, Scenario scenario, const Look& look,
+               bool every_tick = false);
 
 }  // namespace gyrotwin

@@ -23,6 +23,7 @@ Tone tone_of(Standing standing) {
     case Standing::kNeutral:
     case Standing::kDoubtful:
       return Tone::kDoubtful;
+    case Standing::kLeans:
     case Standing::kFalls:
       return Tone::kBad;
   }
@@ -46,31 +47,34 @@ void add_cases(const Analysis& analysis, Page& page) {
 
 void add_conditions(const Theory& theory, Page& page) {
   page.heading("What it hangs on");
+  page.paragraph(
+      "In red what decides: where it fails, the machine does not come back upright. The others "
+      "explain or advise.");
   Rows rows;
   std::vector<Tone> tones;
   for (const Condition& c : theory.conditions) {
     rows.push_back({c.holds ? "holds" : "fails", c.claim, c.meaning,
-                    c.compares() ? four(c.value) : "", four(c.required), c.unit,
+                    c.compares() ? four(c.value) : "", c.relation, four(c.required), c.unit,
                     std::isfinite(c.margin) ? fmt::format("x {:.3g}", c.margin) : ""});
     tones.push_back(c.holds ? Tone::kGood : c.decides() ? Tone::kBad : Tone::kDoubtful);
   }
-  page.table({"", "condition", "what it means", "value", "against", "unit", "margin"}, rows, tones);
+  page.table({"", "condition", "what it means", "left", "", "right", "unit", "margin"}, rows,
+             tones);
 }
 
 void add_limits(const Analysis& analysis, Page& page) {
   if (analysis.limits.empty()) return;
   page.heading("What it takes");
-  page.paragraph(fmt::format(
-      "The strongest load of each kind that the full model stands under its law, by bisection; "
-      "each run lasts {:.3g} s. A tilt beyond {:.3g} deg that still grows at the end does not "
-      "count as standing.",
-      analysis.limits.front().duration, degrees(kGrowingFalls * analysis.fall_tilt)));
+  page.paragraph(
+      "The strongest load of each kind that the full model stands under its law, by "
+      "bisection: " +
+      limits_rule(analysis) + ".");
   Rows rows;
   for (const Limit& limit : analysis.limits) {
-    rows.push_back({limit.meaning, four(limit.bracket.stands), four(limit.bracket.falls),
-                    limit.unit, fmt::format("{:.3g}", degrees(limit.bracket.largest_tilt))});
+    rows.push_back({limit.meaning, four(limit.bracket.stands), limit.unit, limit_words(limit),
+                    fmt::format("{:.3g}", degrees(limit.bracket.largest_tilt))});
   }
-  page.table({"load", "stands", "falls at", "unit", "largest tilt [deg]"}, rows);
+  page.table({"load", "stands", "unit", "and then", "largest tilt [deg]"}, rows);
 }
 
 void add_numbers(const Theory& theory, Page& page) {

@@ -201,7 +201,7 @@ void compare_bounces(const Rig& rig, const model::UmbrellaParameters& p,
     all.push_back(number("bounce_time" + key, what + "time until it is back", formula.period,
                          seen.period, "s"));
   };
-  tell("", "the rig's own ring", p.contact.stiffness);
+  tell("", "the rig's own ring, which gives (the formula's does not)", p.contact.stiffness);
   tell("_hard", "a ring 1000 times as hard", 1000.0 * p.contact.stiffness);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "clients/analyze/umbrella_symbols.hpp"
 
@@ -59,7 +60,10 @@ void add_level_numbers(const UmbrellaParameters& p, const Symbols& x, const Tell
   add("wall_moment", "H |Omega|", "restoring moment of the pressed ring at that speed, at once",
       wall, "N m");
   if (U > 0.0) {
-    add("wall_tilt", "H |Omega|/U", "tilt up to which it restores", wall / U, "rad");
+    add("wall_tilt", "H |Omega|/U",
+        wall > 0.5 * std::numbers::pi * U ? "tilt up to which it restores: any (beyond 90 deg)"
+                                          : "tilt up to which it restores",
+        wall / U, "rad");
     add("wall_impulse", "H |Omega| sqrt(A/U)", "impulse that takes it there, disc speed held",
         wall * std::sqrt(A / U), "N m s");
   }
@@ -109,15 +113,18 @@ void add_ring_conditions(const UmbrellaParameters& p, const Symbols& x, bool dri
   }
   all.push_back(above("inequality", "H^2 > C U",
                       "disc at rest and left alone: its restoring moment H^2/C theta beats the "
-                      "weight's U theta and it swings; otherwise it falls (the thesis' inequality "
-                      "4.47, M_max > U theta)",
+                      "weight's U theta and it swings (the thesis' inequality 4.47, M_max > U "
+                      "theta)",
                       H * H, C * U, "N^2 m^2 s^2",
-                      decides_if(track && !driven && x.speed == 0.0 && !x.carried)));
+                      x.carried || !track         ? Role::kAdvises
+                      : !driven && x.speed == 0.0 ? Role::kDecides
+                                                  : Role::kExplains));
   if (H * H > C * U) {
-    all.push_back(yes_no("friction", "the drive replaces what friction takes",
-                         "viscous friction b on the disc lets it fall slowly, as "
-                         "exp(U b t/(H^2-U C))",
-                         driven || U * x.b <= 0.0, Role::kAdvises));
+    all.push_back(
+        yes_no("friction", "the drive replaces what friction takes",
+               "the disc keeps its momentum, of which viscous friction b alone would take so "
+               "much that the tilt grows as exp(U b t/(H^2-U C))",
+               driven || U * x.b <= 0.0, Role::kAdvises));
   }
 }
 
@@ -133,12 +140,16 @@ void add_level(const Rig& rig, const UmbrellaParameters& p, const Symbols& x, Th
   if (x.speed != 0.0 && U > 0.0) {
     const model::Machine machine = rig.build_machine();
     const double wall = std::max(x.press, 0.0);
-    all.push_back(above("start", "theta_0 < H |Omega|/U",
-                        "it is released where the disc, its speed held, still restores", wall / U,
-                        machine.tilt(rig.initial_state(machine)), "rad", Role::kAdvises));
-    all.push_back(above("push", "reference push < H |Omega| sqrt(A/U)",
+    all.push_back(
+        below("start", "theta_0 < H |Omega|/U",
+              wall > 0.5 * std::numbers::pi * U
+                  ? "it is released where the disc, its speed held, still restores: at any "
+                    "tilt"
+                  : "it is released where the disc, its speed held, still restores",
+              machine.tilt(rig.initial_state(machine)), wall / U, "rad", Role::kAdvises));
+    all.push_back(below("push", "reference push < H |Omega| sqrt(A/U)",
                         "the turning disc takes the rig's reference push at held speed",
-                        wall * std::sqrt(A / U), rig.reference_impulse_nms, "N m s",
+                        rig.reference_impulse_nms, wall * std::sqrt(A / U), "N m s",
                         Role::kAdvises));
   }
   theory.criteria.push_back(disc_criterion("disc left alone, the rig's friction", x, x.b));
@@ -152,21 +163,22 @@ void add_calming(const Symbols& x, std::vector<Condition>& all) {
                       "the slow precession",
                       x.L * x.speed, 0.0, "N m s rad/s", Role::kExplains));
   if (const auto top = model::precession(x.tilt, x.speed)) {
-    all.push_back(above("faster_than_slow", "|Omega| > slow precession", "only then it calms it",
+    all.push_back(above("faster_than_slow", "|Omega| > slow precession",
+                        "the disc overtakes the slow precession, and so calms it",
                         std::abs(x.speed), top->slow, "rad/s", Role::kExplains));
     all.push_back(below("slower_than_fast", "|Omega| < fast precession",
-                        "faster it excites the fast precession", std::abs(x.speed), top->fast,
-                        "rad/s", Role::kExplains));
+                        "the disc stays behind the fast precession, which it would excite",
+                        std::abs(x.speed), top->fast, "rad/s", Role::kExplains));
   }
   const double k = x.between.stiffness, U = x.tilt.U;
   all.push_back(above("stiff_enough", "k_tilt > 3 U",
-                      "axles or bushing too soft to carry the structure on the disc", k, 3.0 * U,
-                      "N m/rad", Role::kExplains));
+                      "axles and bushing are stiff enough to carry the structure on the disc", k,
+                      3.0 * U, "N m/rad", Role::kExplains));
   all.push_back(below("soft_enough", "k_tilt < 20 U",
-                      "hard axles lose the rotating damping (5 to 10 U is a good aim)", k, 20.0 * U,
-                      "N m/rad", Role::kExplains));
+                      "axles and bushing give enough to damp (5 to 10 U is a good aim)", k,
+                      20.0 * U, "N m/rad", Role::kExplains));
   all.push_back(above("damped_enough", "crot > 0.05 s k_tilt",
-                      "damping that turns with the disc (0.1 to 0.2 s is a good aim)",
+                      "enough damping turns with the disc (0.1 to 0.2 s is a good aim)",
                       x.between.rotating_damping, 0.05 * k, "N m s/rad", Role::kExplains));
 }
 
@@ -187,8 +199,8 @@ void add_free(const UmbrellaParameters& p, const Symbols& x, bool exact, Theory&
                       x.L * x.L, K * roots.sum() * roots.sum(), "N^2 m^2 s^2", Role::kExplains));
   if (p.mount == Mount::kUniversalJoint) return add_calming(x, all);
   all.push_back(yes_no("spiral", "cs = 0",
-                       "friction of the ground makes a sleeping top spiral out, and a rigid disc "
-                       "has nothing against it",
+                       "no friction of the ground makes the sleeping top spiral out, against "
+                       "which a rigid disc has nothing",
                        x.cs <= 0.0, Role::kExplains));
 }
 

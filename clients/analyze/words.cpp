@@ -34,11 +34,12 @@ std::string told(const Case& seen) {
 }
 
 std::string conditions_text(const Theory& theory) {
-  std::string text = heading("Conditions");
+  std::string text = heading(
+      "Conditions (FAILS decides: it does not come back upright; fails explains or advises)");
   for (const Condition& c : theory.conditions) {
     text += fmt::format("  {:<6}{:<44}", mark(c), c.claim);
-    text += c.compares() ? fmt::format("{:>12.4g} against {:<12.4g}{:<12}{}\n", c.value, c.required,
-                                       c.unit, factor(c.margin))
+    text += c.compares() ? fmt::format("{:>12.4g} {} {:<12.4g}{:<12}{}\n", c.value, c.relation,
+                                       c.required, c.unit, factor(c.margin))
                          : fmt::format("{:>12}\n", c.holds ? "yes" : "no");
     text += fmt::format("        {}\n", c.meaning);
   }
@@ -80,16 +81,11 @@ std::string comparisons_text(const std::vector<Comparison>& comparisons) {
 
 std::string limits_text(const Analysis& analysis) {
   if (analysis.limits.empty()) return "";
-  std::string text = heading(
-      fmt::format("Limits, by bisection on the full model over {:.3g} s (beyond {:.3g} deg still "
-                  "growing at the end is falling)",
-                  analysis.limits.front().duration, degrees(kGrowingFalls * analysis.fall_tilt)));
+  std::string text = heading("Limits, by bisection on the full model");
+  text += "  (" + limits_rule(analysis) + ")\n";
   for (const Limit& limit : analysis.limits) {
-    const std::string falls = std::isfinite(limit.bracket.falls)
-                                  ? "falls at " + with_unit(limit.bracket.falls, limit.unit)
-                                  : "no end found";
-    text += fmt::format("  {:<60} stands {:<14} {:<22} tilt up to {:.3g} deg\n", limit.meaning,
-                        with_unit(limit.bracket.stands, limit.unit) + ",", falls + ",",
+    text += fmt::format("  {:<60} stands {:<14} {:<36} tilt up to {:.3g} deg\n", limit.meaning,
+                        with_unit(limit.bracket.stands, limit.unit) + ",", limit_words(limit) + ",",
                         degrees(limit.bracket.largest_tilt));
   }
   return text;
@@ -101,11 +97,14 @@ Json trial_json(const Trial& trial) {
   const auto fell = trial.outcome.verdict.fell_at();
   return {{"stood", trial.stood()},
           {"duration_s", trial.outcome.t},
+          {"leans", trial.outcome.verdict.leans()},
           {"fell_at_s", fell ? Json(*fell) : Json(nullptr)},
           {"largest_tilt_rad", number(trial.largest_tilt)},
           {"end_tilt_rad", number(trial.end_tilt)},
           {"least_gimbal_margin_rad", number(trial.least_gimbal_margin)},
           {"largest_torque_nm", number(trial.largest_torque)},
+          {"drive_at_limit_share", number(trial.at_limit)},
+          {"first_rotor_share", number(trial.first_rotor_share)},
           {"largest_holding_moment_nm", number(trial.largest_holding_moment)}};
 }
 
@@ -157,6 +156,7 @@ Json theory_json(const Theory& theory) {
                           {"claim", c.claim},
                           {"meaning", c.meaning},
                           {"value", number(c.value)},
+                          {"relation", c.relation},
                           {"required", number(c.required)},
                           {"unit", c.unit},
                           {"holds", c.holds},
@@ -176,6 +176,31 @@ Json theory_json(const Theory& theory) {
 }
 
 }  // namespace
+
+std::string limits_rule(const Analysis& analysis) {
+  return fmt::format(
+      "each load is looked at for {:.3g} s. It is stood when the machine has not fallen by then, "
+      "does "
+      "not hang in its gimbals' stops and, beyond {:.3g} deg, no longer tilts further; under a "
+      "gust, "
+      "whose largest swing comes by chance, falls and stops alone count, with three seeds",
+      analysis.limits.front().duration, degrees(kGrowingFalls * analysis.fall_tilt));
+}
+
+std::string limit_words(const Limit& limit) {
+  if (!std::isfinite(limit.bracket.ends)) return "no end found";
+  const std::string at = with_unit(limit.bracket.ends, limit.unit);
+  switch (limit.bracket.how) {
+    case Fate::kLeans:
+      return "its stops take over at " + at;
+    case Fate::kGrows:
+      return "still grows at " + at;
+    case Fate::kFalls:
+    case Fate::kStands:
+      break;
+  }
+  return "falls at " + at;
+}
 
 std::string with_unit(double value, const std::string& unit) {
   return fmt::format("{:.4g}{}{}", value, unit.empty() ? "" : " ", unit);
@@ -201,7 +226,21 @@ std::vector<std::string> cautions(const LinearModel& linear) {
 
 std::string push_words(const Case& seen) {
   if (!seen.pushed) return "";
-  std::string text = seen.pushed->stood() ? "stands" : "falls";
+  std::string text;
+  switch (fate_of(*seen.pushed, growth_of(seen))) {
+    case Fate::kStands:
+      text = "stands";
+      break;
+    case Fate::kGrows:
+      text = "stands so far, and growing";
+      break;
+    case Fate::kLeans:
+      text = seen.pushed->outcome.verdict.leaning_text();
+      break;
+    case Fate::kFalls:
+      text = "falls";
+      break;
+  }
   if (seen.pushed->outcome.verdict.has_tilt()) {
     text += fmt::format(", tilt at most {:.3g} deg", degrees(seen.pushed->largest_tilt));
   }
@@ -246,7 +285,8 @@ Json json_of(const Rig& rig, const Analysis& analysis) {
                       {"meaning", limit.meaning},
                       {"unit", limit.unit},
                       {"stands", number(limit.bracket.stands)},
-                      {"falls", number(limit.bracket.falls)},
+                      {"ends", number(limit.bracket.ends)},
+                      {"how", limit_words(limit)},
                       {"largest_tilt_rad", number(limit.bracket.largest_tilt)},
                       {"duration_s", limit.duration}});
   }

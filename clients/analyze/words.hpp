@@ -20,6 +20,11 @@ nlohmann::ordered_json json_of(const Rig& rig, const Analysis& analysis);
 /// none.
 std::string push_words(const Case& seen);
 
+/// Which loads count as stood, in words. @pre there are limits
+std::string limits_rule(const Analysis& analysis);
+/// "its stops take over at 62 N m": where and how a limit ends.
+std::string limit_words(const Limit& limit);
+
 /// What is to be known of the eigenvalues; empty where they tell all of small deviations.
 std::vector<std::string> cautions(const LinearModel& linear);
 

@@ -61,6 +61,20 @@ bool number(const std::string& cell) {
   return digits && cell.find_first_not_of("0123456789+-.eE%x, ") == std::string::npos;
 }
 
+/// Escaped, and what stands between `backticks` as code; one without a partner stays.
+std::string prose(const std::string& text) {
+  std::string html;
+  std::size_t at = 0;
+  while (true) {
+    const std::size_t open = text.find('`', at);
+    const std::size_t close = open == std::string::npos ? open : text.find('`', open + 1);
+    if (close == std::string::npos) return html + escaped(text.substr(at));
+    html += escaped(text.substr(at, open - at)) + "<code>" +
+            escaped(text.substr(open + 1, close - open - 1)) + "</code>";
+    at = close + 1;
+  }
+}
+
 }  // namespace
 
 Page::Page(const std::string& title, const std::string& subtitle) : title_(title) {
@@ -76,7 +90,7 @@ void Page::end_figures() {
 void Page::verdict(Tone tone, const std::string& sentence, const std::string& reason) {
   end_figures();
   body_ += fmt::format("<div class='verdict {}'><b>{}</b>{}</div>\n", class_of(tone),
-                       escaped(sentence), escaped(reason));
+                       prose(sentence), prose(reason));
 }
 
 void Page::heading(const std::string& text) {
@@ -86,7 +100,7 @@ void Page::heading(const std::string& text) {
 
 void Page::paragraph(const std::string& text) {
   end_figures();
-  body_ += fmt::format("<p>{}</p>\n", escaped(text));
+  body_ += fmt::format("<p>{}</p>\n", prose(text));
 }
 
 void Page::table(const std::vector<std::string>& header,
@@ -109,7 +123,7 @@ void Page::table(const std::vector<std::string>& header,
 void Page::figure(const std::string& svg, const std::string& caption) {
   if (!in_figures_) body_ += "<div class='figures'>\n";
   in_figures_ = true;
-  body_ += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", svg, escaped(caption));
+  body_ += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", svg, prose(caption));
 }
 
 void Page::listing(const std::string& summary, const std::string& text) {

@@ -254,9 +254,8 @@ std::string footer() {
          Expression::functions() +
          "\n  step(x): 0 below 0, else 1; square(x): +1 and -1, period 2 pi. A formula may jump, a "
          "table\n  is followed exactly: zero before its first row, its last row stays.\n"
-         "The last line on stderr says whether it stands or falls; a machine without a tilt, "
-         "whether\n"
-         "it meets its stops. A live owner stops the drives\n"
+         "The last line on stderr says whether it stands, leans on its gimbal stops, or falls; a\n"
+         "machine without a tilt, whether it meets its stops. A live owner stops the drives\n"
          "of a fallen platform; here everything goes on, at most to 90 deg of tilt, where the\n"
          "equations end.\n"
          "Exit code 0: simulated, to the end or a fall; 1: not so far; 2: asked wrongly.\n"

@@ -7,7 +7,7 @@
 
 #include "clients/simulate/simulation.hpp"
 #include "services/controller/law.hpp"
-#include "services/integrator/safe_stop.hpp"
+#include "services/onboard/safe_stop.hpp"
 #include "services/integrator/schedule.hpp"
 #include "services/integrator/simulated_sensors.hpp"
 #include "services/onboard/estimator.hpp"

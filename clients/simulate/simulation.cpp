@@ -91,6 +91,19 @@ Grid grid_of(const Rig& rig, const Scenario& scenario) {
   return ticks ? tick_grid(rig.loop.tick_s(), scenario) : free_grid(scenario);
 }
 
+/// A gust or a wind acts in the last fifth of the run.
+bool random_to_the_end(const Rig& rig, const Scenario& scenario) {
+  constexpr double kLate = 0.8;
+  return std::ranges::any_of(scenario.events, [&](const Scenario::Event& event) {
+    const request_t& request = event.request;
+    if (request.verb != request_t::DISTURB) return false;
+    if (request.kind != request_t::GUST && request.kind != request_t::WIND) return false;
+    const double begin = static_cast<double>(request.start_tick) * rig.loop.tick_s();
+    const double length = static_cast<double>(request.duration_ns) * 1e-9;
+    return request.duration_ns == 0 || begin + length > kLate * scenario.duration;
+  });
+}
+
 bool finite(const model::Input& input) {
   return std::all_of(input.drive.begin(), input.drive.end(),
                      [](double x) { return std::isfinite(x); }) &&
@@ -187,7 +200,8 @@ class Run {
         stepper_(ode_, scenario.stepping),
         y_(static_cast<std::size_t>(ode_.size())),
         state_(scenario.start),
-        outcome_{.verdict = Verdict(rig, machine, scenario.duration)} {
+        outcome_{.verdict =
+                     Verdict(rig, machine, scenario.duration, random_to_the_end(rig, scenario))} {
     if (scenario.sampled) {
       sampled_.emplace(rig, machine, scenario);
     } else if (rig.loop.state == StateSource::kEstimate || !scenario.events.empty()) {

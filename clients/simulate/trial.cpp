@@ -2,17 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace gyrotwin {
 
 namespace {
 
+constexpr double kRounding = 1e-12;
+
+double slowest_rotor(const model::Machine& machine, const model::State& state) {
+  double least = 1.0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(machine.rotors); ++i) {
+    const double nominal = machine.nominal_rotor_speed[i];
+    if (nominal != 0.0) least = std::min(least, state.rotor_speed[i] / nominal);
+  }
+  return least;
+}
+
 /// Looks on every tick, and goes home when it has fallen.
 class Watcher : public Spectator {
  public:
-  Watcher(const Rig& rig, const model::Machine& machine, double duration)
-      : machine_(machine), verdict_(rig, machine, duration) {
+  Watcher(const Rig& rig, const model::Machine& machine, const Scenario& scenario)
+      : machine_(machine), verdict_(rig, machine, scenario.duration) {
+    trial.first_rotor_share = slowest_rotor(machine, scenario.start);
     trial.least_gimbal_margin = std::numeric_limits<double>::infinity();
   }
 
@@ -23,6 +36,9 @@ class Watcher : public Spectator {
     for (const double torque : truth.drive_torque) {
       trial.largest_torque = std::max(trial.largest_torque, std::abs(torque));
     }
+    ++ticks_;
+    if (at_limit(truth)) ++ticks_at_limit_;
+    trial.at_limit = static_cast<double>(ticks_at_limit_) / static_cast<double>(ticks_);
     const auto [x, y] = truth.holding_moment;
     trial.largest_holding_moment = std::max(trial.largest_holding_moment, std::hypot(x, y));
   }
@@ -31,8 +47,17 @@ class Watcher : public Spectator {
   Trial trial;
 
  private:
+  bool at_limit(const model::Truth& truth) const {
+    for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
+      const double torque = std::abs(truth.drive_torque[i]);
+      if (torque > 0.0 && truth.drive_margin[i] <= kRounding * torque) return true;
+    }
+    return false;
+  }
+
   const model::Machine& machine_;
   Verdict verdict_;
+  std::int64_t ticks_ = 0, ticks_at_limit_ = 0;
 };
 
 }  // namespace
@@ -52,7 +77,7 @@ Scenario live_scenario(const Rig& rig, const model::Machine& machine, double dur
 }
 
 Trial run_trial(const Rig& rig, const model::Machine& machine, const Scenario& scenario) {
-  Watcher watcher(rig, machine, scenario.duration);
+  Watcher watcher(rig, machine, scenario);
   Outcome outcome = simulate(rig, machine, scenario, watcher);
   Trial trial = watcher.trial;
   trial.end_tilt = outcome.verdict.tilt();

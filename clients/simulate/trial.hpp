@@ -15,6 +15,8 @@ struct Trial {
   double largest_tilt = 0.0;            ///< likewise [rad]
   double least_gimbal_margin = 0.0;     ///< to a stop, < 0 in it [rad]
   double largest_torque = 0.0;          ///< of any drive, what arrives of it, as a magnitude [N m]
+  double at_limit = 0.0;                ///< share of the ticks with a drive at its limit [1]
+  double first_rotor_share = 1.0;       ///< slowest rotor at the start, of its nominal speed [1]
   double largest_holding_moment = 0.0;  ///< by the external support of mount `level` [N m]
 
   /// Neither fell nor met an error: it came to the end of its time.

@@ -51,6 +51,7 @@ model::State start_of(const Rig& rig, const model::Machine& machine,
 std::string verdict_of(const Trial& trial) {
   if (trial.outcome.verdict.fell_at()) return "falls";
   if (!trial.stood()) return "failed";
+  if (trial.outcome.verdict.leans()) return "leans";
   return trial.outcome.verdict.growing() ? "growing" : "stands";
 }
 
@@ -95,15 +96,9 @@ void Experiment::check() const {
   constexpr std::int64_t kLooks = 50;
   std::string first;
   for (std::int64_t run = 0; run < std::min(kLooks, plan_.runs()); ++run) {
-    try {
-      const Settings chosen = settings(values(run));
-      const Rig rig = load_rig(bench_.rig, chosen.rig);
-      start_of(rig, rig.build_machine(), chosen.start);
-      events_of(rig, chosen.events);
-      return;
-    } catch (const Error& error) {
-      if (first.empty()) first = error.what();
-    }
+    const std::string why = refusal(run);
+    if (why.empty()) return;
+    if (first.empty()) first = why;
   }
   throw Error(first);
 }
@@ -175,6 +170,18 @@ std::string Experiment::line(std::int64_t run) const {
   } catch (const Error&) {
     return text + ",impossible,,,,,,\n";
   }
+}
+
+std::string Experiment::refusal(std::int64_t run) const {
+  try {
+    const Settings chosen = settings(values(run));
+    const Rig rig = load_rig(bench_.rig, chosen.rig);
+    start_of(rig, rig.build_machine(), chosen.start);
+    events_of(rig, chosen.events);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
 }
 
 double Experiment::duration_of(const Settings& settings) const {

@@ -32,6 +32,9 @@ class Experiment {
   /// A CSV line with its newline. A rig that cannot be is `impossible`, the rest of it empty.
   std::string line(std::int64_t run) const;
 
+  /// Why there is no such rig; empty: there is.
+  std::string refusal(std::int64_t run) const;
+
   /// What a shell is to be told to `gyrotwin simulate` this run; events keep their numbers in the
   /// scenario.
   std::string repeat_command(std::int64_t run) const;

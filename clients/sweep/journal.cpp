@@ -41,7 +41,10 @@ std::string differences(const json& before, const json& now) {
 Journal::Journal(fs::path folder, const json& definition, const std::string& header)
     : folder_(std::move(folder)) {
   std::error_code error;
-  fs::create_directories(folder_, error);
+  if (fs::exists(folder_) && !fs::is_directory(folder_)) refuse("is a file, not a folder");
+  const fs::path parent = fs::absolute(folder_ / "").parent_path().parent_path();
+  if (!fs::is_directory(parent)) refuse("there is no folder " + parent.string() + " to put it in");
+  fs::create_directory(folder_, error);
   if (error) refuse(error.message());
   try {
     lock();

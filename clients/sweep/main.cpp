@@ -146,14 +146,17 @@ std::string write_summary(const std::filesystem::path& folder, const Experiment&
           "{} over {:g} s{}, seed {}", fmt::join(options.vary, "  "), options.duration,
           options.scenario.empty() ? "" : ", with scenario " + options.scenario, options.seed),
       .fall_tilt = rig.safety.fall_tilt_rad,
-      .repeat = [&](std::size_t run) {
-        return experiment.repeat_command(static_cast<std::int64_t>(run));
-      }};
+      .repeat =
+          [&](std::size_t run) {
+            return experiment.repeat_command(static_cast<std::int64_t>(run));
+          },
+      .refusal =
+          [&](std::size_t run) { return experiment.refusal(static_cast<std::int64_t>(run)); }};
   const std::filesystem::path page = folder / "summary.html";
   std::ofstream stream(page, std::ios::binary);
   stream << summary_html(results, text) << std::flush;
   if (!stream) throw Error(page.string() + ": cannot be written");
-  return standing_sentence(results);
+  return standing_sentence(results, text);
 }
 
 int run(RigOptions& rig_options, const Options& options) {

@@ -10,8 +10,8 @@
 namespace gyrotwin {
 
 /// Verdicts as they stand in runs.csv.
-inline constexpr std::string_view kStands = "stands", kGrowing = "growing", kFalls = "falls",
-                                  kFailed = "failed", kImpossible = "impossible";
+inline constexpr std::string_view kStands = "stands", kGrowing = "growing", kLeans = "leans",
+                                  kFalls = "falls", kFailed = "failed", kImpossible = "impossible";
 
 /// A value that runs differ in.
 struct Factor {
@@ -31,10 +31,8 @@ struct Results {
   std::vector<double> fell_at, largest_tilt;  // [s], [rad]
 
   std::size_t runs() const { return verdicts.size(); }
-  /// Has not fallen, whether or not it was still tilting further at its end.
-  bool stands(std::size_t run) const {
-    return verdicts[run] == kStands || verdicts[run] == kGrowing;
-  }
+  /// To the end; neither one that still tilts further nor one that leans on its stops.
+  bool stands(std::size_t run) const { return verdicts[run] == kStands; }
   /// There is such a rig.
   bool counts(std::size_t run) const { return verdicts[run] != kImpossible; }
 };

@@ -31,9 +31,16 @@ Count count_of(const Results& results) {
   return count;
 }
 
+bool listed(const Factor& factor) {
+  return !factor.drawn && std::ranges::any_of(factor.texts, [&](const std::string& text) {
+    return text != factor.texts.front();
+  });
+}
+
 /// They are a sample of what there could be.
-bool drawn(const Results& results) {
-  return std::ranges::any_of(results.factors, [](const Factor& factor) { return factor.drawn; });
+bool sampled(const Results& results) {
+  return std::ranges::any_of(results.factors, &Factor::drawn) &&
+         std::ranges::none_of(results.factors, listed);
 }
 
 std::string percent(double share) { return fmt::format("{:.3g} %", 100.0 * share); }
@@ -42,12 +49,13 @@ void add_verdicts(const Results& results, Page& page) {
   static const std::map<std::string_view, std::pair<const char*, Tone>> kMeaning{
       {kStands, {"to the end", Tone::kGood}},
       {kGrowing, {"not fallen, but tilting further at the end than ever before", Tone::kDoubtful}},
+      {kLeans, {"toppled onto its gimbals' stops, which hold it", Tone::kBad}},
       {kFalls, {"its tilt passed the fall limit, or a gimbal its stop", Tone::kBad}},
       {kFailed, {"no finite motion came out", Tone::kBad}},
       {kImpossible, {"there is no such rig: the rig file's rules refuse it", Tone::kPlain}}};
   Rows rows;
   std::vector<Tone> tones;
-  for (const std::string_view verdict : {kStands, kGrowing, kFalls, kFailed, kImpossible}) {
+  for (const std::string_view verdict : {kStands, kGrowing, kLeans, kFalls, kFailed, kImpossible}) {
     const auto count = std::ranges::count(results.verdicts, verdict);
     if (count == 0) continue;
     const auto& [meaning, tone] = kMeaning.at(verdict);
@@ -80,17 +88,20 @@ void add_sensitivities(const Results& results, Page& page) {
   Rows rows;
   for (const Factor* factor : by_influence(results)) {
     const auto [low, high] = std::ranges::minmax(factor->numbers);
-    rows.push_back({factor->key, fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
+    const Influence seen = influence(*factor, results);
+    rows.push_back({seen.by_size ? "|" + factor->key + "|" : factor->key,
+                    fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
                     mean_where(*factor, results, [&](std::size_t i) { return results.stands(i); }),
                     mean_where(*factor, results, [&](std::size_t i) { return !results.stands(i); }),
-                    fmt::format("{:+.2f}", influence(*factor, results).standing),
-                    fmt::format("{:+.2f}", influence(*factor, results).tilt)});
+                    fmt::format("{:+.2f}", seen.standing), fmt::format("{:+.2f}", seen.tilt)});
   }
   if (rows.empty()) return;
   page.heading("What it hangs on");
   page.paragraph(
       "Rank correlations: +1 where a larger value always goes with standing or with more tilt, -1 "
-      "where it always goes against it, near 0 where it does not matter or matters both ways.");
+      "where it always goes against it, near 0 where it does not matter or matters both ways; "
+      "|key|: of its size, where that tells "
+      "more.");
   page.table(
       {"key", "from", "to", "mean, stands", "mean, does not", "with standing", "with largest tilt"},
       rows);
@@ -108,12 +119,11 @@ void add_words(const Results& results, Page& page) {
     }
     Rows rows;
     for (const auto& [word, count] : counts) {
-      const Proportion p = proportion(count.stand, count.all);
       rows.push_back(
-          {word, fmt::format("{}", count.all), percent(p.share), percent(p.low), percent(p.high)});
+          {word, fmt::format("{}", count.all), percent(proportion(count.stand, count.all).share)});
     }
     page.heading("By " + factor.key);
-    page.table({factor.key, "runs", "stand", "at least (95 %)", "at most"}, rows);
+    page.table({factor.key, "runs", "stand"}, rows);
   }
 }
 
@@ -135,6 +145,7 @@ void add_repeats(const Results& results, const SummaryText& text, Page& page) {
     if (run) rows.push_back({what, fmt::format("{}", *run), text.repeat(*run)});
   };
   add("stands with the largest tilt", extreme(results, kStands, false));
+  add("leans on its gimbal stops", extreme(results, kLeans, false));
   add("falls first", extreme(results, kFalls, true));
   add("still growing", extreme(results, kGrowing, false));
   add("no finite motion", extreme(results, kFailed, false));
@@ -146,15 +157,26 @@ void add_repeats(const Results& results, const SummaryText& text, Page& page) {
 
 }  // namespace
 
-std::string standing_sentence(const Results& results) {
+std::string standing_sentence(const Results& results, const SummaryText& text) {
   const Count count = count_of(results);
   const Proportion p = proportion(count.stand, count.all);
+  std::string said =
+      fmt::format("{} of {} runs stand: {}", count.stand, count.all, percent(p.share));
+  if (sampled(results)) {
+    said += fmt::format(", with 95 % confidence {:.3g} to {}", 100.0 * p.low, percent(p.high));
+  }
   const auto growing = std::ranges::count(results.verdicts, kGrowing);
-  return fmt::format("{} of {} runs stand: {}", count.stand, count.all, percent(p.share)) +
-         (drawn(results)
-              ? fmt::format(", with 95 % confidence {:.3g} to {}", 100.0 * p.low, percent(p.high))
-              : "") +
-         (growing > 0 ? fmt::format(", {} of them still tilting further at the end", growing) : "");
+  const auto leaning = std::ranges::count(results.verdicts, kLeans);
+  if (growing > 0) said += fmt::format("; {} not fallen, but still tilting further", growing);
+  if (leaning > 0) said += fmt::format("; {} leaning on gimbal stops", leaning);
+  if (const auto none = std::ranges::find(results.verdicts, kImpossible);
+      none != results.verdicts.end()) {
+    said += fmt::format("; {} more of {} {} no rig: {}",
+                        results.runs() - static_cast<std::size_t>(count.all), results.runs(),
+                        static_cast<std::size_t>(count.all) + 1 == results.runs() ? "is" : "are",
+                        text.refusal(static_cast<std::size_t>(none - results.verdicts.begin())));
+  }
+  return said;
 }
 
 std::string summary_html(const Results& results, const SummaryText& text) {
@@ -164,9 +186,9 @@ std::string summary_html(const Results& results, const SummaryText& text) {
                : count.stand == count.all ? Tone::kGood
                : count.stand == 0         ? Tone::kBad
                                           : Tone::kDoubtful,
-               standing_sentence(results),
-               drawn(results) ? "The interval is that of the share among all such rigs."
-                              : "Every run is one choice of the values below.");
+               standing_sentence(results, text),
+               sampled(results) ? "The interval is that of the share among all such rigs."
+                                : "Every run is one choice of the values below.");
   page.heading("How the runs end");
   add_verdicts(results, page);
   page.heading("Where it stands");

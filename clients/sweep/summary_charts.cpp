@@ -20,6 +20,7 @@ constexpr int kBins = 10;
 constexpr std::size_t kMostDrawn = 6;      // charts of single drawn factors
 constexpr std::size_t kMostPoints = 4000;  // of a scatter
 constexpr std::size_t kMostLevels = 400;   // of one side of a map
+constexpr double kAir = 4.0;               // beyond 0 and 100 % [%]
 constexpr int kStandColour = 0, kFallColour = 1;
 
 std::vector<const Factor*> lists_of(const Results& results) {
@@ -28,6 +29,12 @@ std::vector<const Factor*> lists_of(const Results& results) {
     if (!factor.drawn && factor.levels().size() > 1) lists.push_back(&factor);
   }
   return lists;
+}
+
+/// A start's unit is not in its name.
+std::string label_of(const Factor& factor) {
+  if (!factor.key.starts_with("start.")) return factor.key;
+  return factor.key + (factor.key.ends_with("_dot") ? " [rad/s]" : " [rad]");
 }
 
 std::size_t level_index(const std::vector<double>& levels, double value) {
@@ -47,8 +54,8 @@ struct Tally {
 CaptionedSvg map_over(const Factor& across, const Factor& up, const Results& results) {
   CellMap map;
   map.title = "Stands and falls";
-  map.x.label = across.key;
-  map.y.label = up.key;
+  map.x.label = label_of(across);
+  map.y.label = label_of(up);
   map.xs = across.levels();
   map.ys = up.levels();
   const std::size_t width = map.xs.size();
@@ -69,18 +76,19 @@ CaptionedSvg map_over(const Factor& across, const Factor& up, const Results& res
     map.kinds = {"stands", "does not"};
     return {svg(map), "Every cell is one run; empty: there is no such rig."};
   }
-  map.title = "How many fall";
-  map.value_label = "fall [%]";
-  return {svg(map), "Share of each cell's runs that fall; empty: there is no such rig."};
+  map.title = "How many do not stand";
+  map.value_label = "do not stand [%]";
+  return {svg(map), "Share of each cell's runs that do not stand; empty: there is no such rig."};
 }
 
 /// Share that stands over `places`, with the interval that the number of runs allows.
+/// @param pooled over other listed values, which are no sample: there is no interval
 CaptionedSvg shares_over(const Factor& factor, const std::vector<double>& places,
-                         const Tally& tally) {
+                         const Tally& tally, bool pooled) {
   Chart chart;
   chart.title = "How many stand over " + factor.key;
-  chart.x.label = factor.key;
-  chart.y = {"stand [%]", 0.0, 100.0};
+  chart.x.label = label_of(factor);
+  chart.y = {"stand [%]", -kAir, 100.0 + kAir};
   std::array<Curve, 3> curves;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (tally.all[i] == 0) continue;
@@ -93,21 +101,23 @@ CaptionedSvg shares_over(const Factor& factor, const std::vector<double>& places
   }
   curves[0].name = "stand";
   curves[1].name = "95 % confidence";
-  for (std::size_t c = 0; c < curves.size(); ++c) {
+  for (std::size_t c = 0; c < (pooled ? 1 : curves.size()); ++c) {
     curves[c].colour = c == 0 ? kStandColour : 6;
     curves[c].style = c == 0 ? Curve::Style::kLine : Curve::Style::kDashed;
     chart.curves.push_back(curves[c]);
   }
-  return {svg(chart), "Share of runs that stand, and where the true one is with 95 % confidence."};
+  return {svg(chart), pooled ? "Share of the runs with these values that stand."
+                             : "Share of runs that stand, and where the true one is with 95 % "
+                               "confidence."};
 }
 
-CaptionedSvg shares_by_level(const Factor& factor, const Results& results) {
+CaptionedSvg shares_by_level(const Factor& factor, const Results& results, bool pooled) {
   const std::vector<double> levels = factor.levels();
   Tally tally(levels.size());
   for (std::size_t i = 0; i < results.runs(); ++i) {
     if (results.counts(i)) tally.note(level_index(levels, factor.numbers[i]), results.stands(i));
   }
-  return shares_over(factor, levels, tally);
+  return shares_over(factor, levels, tally, pooled);
 }
 
 /// In bins of as many runs each.
@@ -126,7 +136,7 @@ CaptionedSvg shares_by_quantile(const Factor& factor, const Results& results) {
     places[bin] += factor.numbers[order[place]];
   }
   for (std::size_t bin = 0; bin < bins; ++bin) places[bin] /= static_cast<double>(tally.all[bin]);
-  return shares_over(factor, places, tally);
+  return shares_over(factor, places, tally, !lists_of(results).empty());
 }
 
 bool any_tilt(const Results& results) {
@@ -152,7 +162,7 @@ std::vector<Curve> points(const Factor& across, const Results& results, std::siz
 CaptionedSvg tilts_over(const Factor& factor, const Results& results, double fall_tilt) {
   Chart chart;
   chart.title = "Largest tilt over " + factor.key;
-  chart.x.label = factor.key;
+  chart.x.label = label_of(factor);
   chart.y = {"largest tilt [deg]", 0.0, 1.2 * degrees(fall_tilt)};
   chart.curves = points(factor, results, results.runs(),
                         [&](std::size_t i) { return degrees(results.largest_tilt[i]); });
@@ -163,8 +173,8 @@ CaptionedSvg tilts_over(const Factor& factor, const Results& results, double fal
 CaptionedSvg scatter(const Factor& across, const Factor& up, const Results& results) {
   Chart chart;
   chart.title = "Single runs";
-  chart.x.label = across.key;
-  chart.y.label = up.key;
+  chart.x.label = label_of(across);
+  chart.y.label = label_of(up);
   const std::size_t runs = std::min(results.runs(), kMostPoints);
   chart.curves = points(across, results, runs, [&](std::size_t i) { return up.numbers[i]; });
   return {svg(chart),
@@ -185,7 +195,7 @@ CaptionedSvg tilt_distribution(const Results& results, double fall_tilt) {
   Chart chart;
   chart.title = "How far they tilt";
   chart.x = {"largest tilt [deg]", 0.0, 1.2 * degrees(fall_tilt)};
-  chart.y = {"runs that tilt no further [%]", 0.0, 100.0};
+  chart.y = {"runs that tilt no further [%]", -kAir, 100.0 + kAir};
   Curve curve;
   curve.name = "";
   for (std::size_t i = 0; i < tilts.size(); ++i) {
@@ -201,7 +211,9 @@ CaptionedSvg tilt_distribution(const Results& results, double fall_tilt) {
 
 }  // namespace
 
-Influence influence(const Factor& factor, const Results& results) {
+namespace {
+
+Influence correlations(const Factor& factor, const Results& results) {
   std::vector<double> x, stands, tilted, tilt;
   for (std::size_t i = 0; i < results.runs(); ++i) {
     if (!results.counts(i)) continue;
@@ -214,12 +226,26 @@ Influence influence(const Factor& factor, const Results& results) {
   return {rank_correlation(x, stands), rank_correlation(tilted, tilt)};
 }
 
+double strength(const Influence& seen) {
+  return std::max(std::abs(seen.standing), std::abs(seen.tilt));
+}
+
+}  // namespace
+
+Influence influence(const Factor& factor, const Results& results) {
+  const Influence plain = correlations(factor, results);
+  Factor sizes = factor;
+  for (double& x : sizes.numbers) x = std::abs(x);
+  Influence by_size = correlations(sizes, results);
+  by_size.by_size = true;
+  return strength(by_size) > 1.5 * strength(plain) ? by_size : plain;
+}
+
 std::vector<const Factor*> by_influence(const Results& results) {
   std::vector<std::pair<double, const Factor*>> known;
   for (const Factor& factor : results.factors) {
     if (!factor.quantity || factor.levels().size() < 2) continue;
-    const Influence seen = influence(factor, results);
-    known.emplace_back(std::max(std::abs(seen.standing), std::abs(seen.tilt)), &factor);
+    known.emplace_back(strength(influence(factor, results)), &factor);
   }
   std::ranges::stable_sort(known, std::greater<>{}, [](const auto& entry) { return entry.first; });
   std::vector<const Factor*> order;
@@ -239,7 +265,9 @@ std::vector<CaptionedSvg> summary_charts(const Results& results, double fall_til
   if (lists.size() == 1 && !drawn_any && any_tilt(results)) {
     all.push_back(tilts_over(*lists[0], results, fall_tilt));
   } else if (drawn_any || lists.size() == 1) {
-    for (const Factor* list : lists) all.push_back(shares_by_level(*list, results));
+    for (const Factor* list : lists) {
+      all.push_back(shares_by_level(*list, results, lists.size() > 1));
+    }
   }
   std::vector<const Factor*> drawn = by_influence(results);
   std::erase_if(drawn, [](const Factor* factor) { return !factor->drawn; });

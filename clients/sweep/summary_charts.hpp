@@ -16,6 +16,7 @@ struct CaptionedSvg {
 struct Influence {
   double standing = 0.0;  ///< with standing (1) or not (0)
   double tilt = 0.0;      ///< with the largest tilt
+  bool by_size = false;   ///< of the factor's magnitude, which tells more than its sign
 };
 Influence influence(const Factor& factor, const Results& results);
 

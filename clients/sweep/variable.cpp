@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -22,6 +24,13 @@ std::optional<double> number_in(const std::string& text) {
   const auto [after, error] = std::from_chars(text.data(), end, value);
   if (error != std::errc{} || after != end || !std::isfinite(value)) return std::nullopt;
   return value;
+}
+
+/// nan and inf are numbers of TOML, but no values of a quantity.
+bool not_finite(std::string text) {
+  if (text.starts_with('+') || text.starts_with('-')) text.erase(0, 1);
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text == "nan" || text == "inf" || text == "infinity";
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -117,6 +126,7 @@ class Reader {
 
   void read_list(const std::string& text, Variable& variable) const {
     for (const std::string& value : split(text, ',')) {
+      if (not_finite(value)) refuse("finite numbers");
       const std::optional<double> number = number_in(value);
       if (value.empty() || (variable.factor && !number)) {
         refuse("values such as A,B,C, LOW:HIGH:N or normal(MEAN,SIGMA)");

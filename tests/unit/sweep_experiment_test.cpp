@@ -48,6 +48,21 @@ TEST(Experiment, LeavesEmptyWhatAMachineHasNot) {
   EXPECT_TRUE(nods.line(1).starts_with("1,0.1,stands,,,,0.")) << nods.line(1);
 }
 
+TEST(Experiment, SaysWhyThereIsNoSuchRig) {
+  const Experiment heavy = experiment({.rig = "double_brennan", .overrides = {}, .duration = 0.002},
+                                      {"structure.mass_kg=6,60"});
+  EXPECT_EQ(heavy.refusal(0), "");
+  EXPECT_NE(heavy.refusal(1).find("inertia_tilt_kgm2"), std::string::npos) << heavy.refusal(1);
+  EXPECT_NE(heavy.line(1).find("impossible"), std::string::npos) << heavy.line(1);
+}
+
+/// Toppled onto its stops: neither stands nor falls.
+TEST(Experiment, TellsWhatLeansOnItsStops) {
+  const Experiment still = experiment({.rig = "prototype_b", .overrides = {}, .duration = 6.0},
+                                      {"gyros.rotor_speed_rad_s=0"});
+  EXPECT_TRUE(still.line(0).starts_with("0,0,leans,,")) << still.line(0);
+}
+
 /// Whole ticks, and words that a shell leaves alone.
 TEST(Experiment, IsShownAgainByACommand) {
   const Experiment odd = experiment(

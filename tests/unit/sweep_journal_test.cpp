@@ -11,6 +11,7 @@
 #include "clients/sweep/conduct.hpp"
 #include "clients/sweep/results.hpp"
 #include "clients/sweep/summary.hpp"
+#include "clients/sweep/summary_charts.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -231,6 +232,25 @@ TEST_F(SweepFolder, ReplacesWorkersThatThrow) {
   EXPECT_EQ(journal.written(), 40);
 }
 
+/// A folder beside others, not a path of new ones.
+TEST(SweepPlace, IsAFolderBesideOthers) {
+  const auto refusal = [](const fs::path& folder) -> std::string {
+    try {
+      Journal(folder, {}, "run\n");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "none";
+  };
+  const fs::path home = fs::temp_directory_path() / ("sweep-parents-" + std::to_string(getpid()));
+  fs::create_directory(home);
+  EXPECT_NE(refusal(home / "not" / "there").find("there is no folder"), std::string::npos);
+  EXPECT_FALSE(fs::exists(home / "not"));
+  std::ofstream(home / "file") << "text";
+  EXPECT_NE(refusal(home / "file").find("is a file, not a folder"), std::string::npos);
+  fs::remove_all(home);
+}
+
 TEST(SweepResults, SayHowSureTheyAreOfWhatWasDrawn) {
   std::string csv = "run,a.b,verdict,fell_at_s,largest_tilt_rad\n";
   for (int run = 0; run < 10; ++run) {
@@ -238,10 +258,28 @@ TEST(SweepResults, SayHowSureTheyAreOfWhatWasDrawn) {
            (run < 8 ? ",stands,," : ",falls,1,") + "0.1\n";
   }
   const Results drawn = read_results(csv, {parse_variable("a.b=uniform(0,1)")});
-  EXPECT_EQ(standing_sentence(drawn),
+  const SummaryText text{"title", "about", 0.7, [](std::size_t) { return ""; },
+                         [](std::size_t) { return ""; }};
+  EXPECT_EQ(standing_sentence(drawn, text),
             "8 of 10 runs stand: 80 %, with 95 % confidence 49 to 94.3 %");
   const Results listed = read_results(csv, {parse_variable("a.b=0:0.9:10")});
-  EXPECT_EQ(standing_sentence(listed), "8 of 10 runs stand: 80 %");
+  EXPECT_EQ(standing_sentence(listed, text), "8 of 10 runs stand: 80 %");
+}
+
+/// A range about zero: what counts is how far from it.
+TEST(SweepResults, KnowTheInfluenceOfASize) {
+  std::string csv = "run,start.thx,verdict,fell_at_s,largest_tilt_rad\n";
+  for (int run = 0; run <= 10; ++run) {
+    const int place = run - 5;
+    csv += std::to_string(run) + "," + std::to_string(place) +
+           (std::abs(place) < 3 ? ",stands,," : ",falls,1,") + std::to_string(std::abs(place)) +
+           "\n";
+  }
+  const Results results = read_results(csv, {parse_variable("start.thx=-5:5:11")});
+  const Influence seen = influence(results.factors[0], results);
+  EXPECT_TRUE(seen.by_size);
+  EXPECT_DOUBLE_EQ(seen.tilt, 1.0);
+  EXPECT_LT(seen.standing, -0.8);
 }
 
 TEST(SweepResults, AreReadBackAndCounted) {
@@ -250,17 +288,21 @@ TEST(SweepResults, AreReadBackAndCounted) {
       "0,1,x,stands,,0.1\n"
       "1,2,x,falls,0.5,0.8\n"
       "2,2,y,impossible,,\n"
-      "3,1,y,growing,,0.2\n";
+      "3,1,y,growing,,0.2\n"
+      "4,2,x,leans,,0.4\n";
   const Results results = read_results(csv, {parse_variable("a.b=1,2"), parse_variable("c.d=x,y")});
-  ASSERT_EQ(results.runs(), 4u);
+  ASSERT_EQ(results.runs(), 5u);
   EXPECT_EQ(results.factors[0].levels(), (std::vector<double>{1, 2}));
   EXPECT_TRUE(results.factors[1].numbers.empty());
-  EXPECT_EQ(standing_sentence(results),
-            "2 of 3 runs stand: 66.7 %, 1 of them still tilting further at the end");
   const SummaryText text{"a <rig>", "about", 0.7,
-                         [](std::size_t run) { return "again " + std::to_string(run); }};
+                         [](std::size_t run) { return "again " + std::to_string(run); },
+                         [](std::size_t run) { return "because `x` is " + std::to_string(run); }};
+  EXPECT_EQ(standing_sentence(results, text),
+            "1 of 4 runs stand: 25 %; 1 not fallen, but still tilting further; 1 leaning on gimbal "
+            "stops; 1 more of 5 is no rig: because `x` is 2");
   const std::string page = summary_html(results, text);
-  for (const char* part : {"a &lt;rig&gt;", "again 1", "again 3", "66.7 %", "By c.d", "</html>"}) {
+  for (const char* part : {"a &lt;rig&gt;", "again 1", "again 3", "because <code>x</code> is 2",
+                           "25 %", "By c.d", "</html>"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(page, summary_html(results, text));

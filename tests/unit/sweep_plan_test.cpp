@@ -35,6 +35,8 @@ TEST(Variable, SaysWhatItExpects) {
                                                         {"a.b=", "A,B,C"},
                                                         {"a.b=1,,2", "A,B,C"},
                                                         {"a.b=*word", "A,B,C"},
+                                                        {"a.b=nan,1", "finite numbers"},
+                                                        {"a.b=1,-Inf", "finite numbers"},
                                                         {"a.b=0:1", "LOW:HIGH:N"},
                                                         {"a.b=0:1:1", "LOW:HIGH:N"},
                                                         {"a.b=0:1:2.5", "LOW:HIGH:N"},

@@ -57,6 +57,21 @@ TEST(Trial, KeepsTheMostOfAllTicks) {
   EXPECT_GT(all.holding, 100.0);
 }
 
+TEST(Trial, CountsDrivesAtTheirLimitAndSlowRotors) {
+  Rig rig = load_rig("double_brennan");
+  rig.initial_rotor_share = 0.3;
+  const model::Machine machine = rig.build_machine();
+  Scenario scenario = live_scenario(rig, machine, 0.05);
+  EXPECT_DOUBLE_EQ(run_trial(rig, machine, scenario).first_rotor_share, 0.3);
+  scenario.start.q[0] = 0.3;  // asks for more than any drive has
+  const Trial pinned = run_trial(rig, machine, scenario);
+  EXPECT_GT(pinned.at_limit, 0.5);
+  EXPECT_DOUBLE_EQ(pinned.largest_torque, machine.drives[0].torque_limit);
+  scenario.start.q.setZero();
+  scenario.start.v.setZero();
+  EXPECT_EQ(run_trial(rig, machine, scenario).at_limit, 0.0);
+}
+
 TEST(Trial, HasNoTiltWhereNothingTilts) {
   const Rig rig = load_rig("simple_gyroscope");
   const model::Machine machine = rig.build_machine();

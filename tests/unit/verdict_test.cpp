@@ -56,6 +56,41 @@ TEST(Verdict, FallsWhereTheLimitIsPassed) {
   EXPECT_NEAR(*verdict.fell_at(), 3.995, 1e-9);  // measured 2e-15
 }
 
+/// A ring joins tilt and gimbals: those in their stops hold what has toppled.
+TEST(Verdict, LeansWhereTheStopsHoldIt) {
+  const Rig rig = load_rig("prototype_b");
+  const model::Machine machine = rig.build_machine();
+  const int gimbal = machine.layout.gimbals[0].coordinate;
+  const auto said = [&](double tilt, double gimbal_angle) {
+    Verdict verdict(rig, machine, 10.0);
+    for (int k = 0; k <= 1000; ++k) {
+      model::State state = machine.state({}, {});
+      state.q[machine.layout.tilt[0]] = radians(std::min(tilt, 0.1 * k));
+      state.q[gimbal] = gimbal_angle;
+      verdict.note(0.01 * k, machine, state);
+    }
+    return verdict.text();
+  };
+  EXPECT_EQ(said(23.0, 0.71), "leans on its gimbal stops at 23 deg: tilt at most 23 deg");
+  EXPECT_EQ(said(23.0, 0.69), "stands: tilt at most 23 deg, 23 deg at the end");
+  EXPECT_EQ(said(0.5, 0.71), "stands: tilt at most 0.5 deg, 0.5 deg at the end") << "upright";
+}
+
+/// Under a load of chance the largest swing may well be the last.
+TEST(Verdict, SeesNoGrowthUnderALoadOfChance) {
+  const Rig rig = reference::double_brennan();
+  const model::Machine machine = rig.build_machine();
+  for (const bool random : {false, true}) {
+    Verdict verdict(rig, machine, 1.0, random);
+    for (int k = 0; k <= 100; ++k) {
+      model::State state = machine.state({}, {});
+      state.q[0] = 1e-3 * k;
+      verdict.note(0.01 * k, machine, state);
+    }
+    EXPECT_EQ(verdict.growing(), !random);
+  }
+}
+
 TEST(Verdict, IsAboutTheStopsWhereNothingCanTilt) {
   Rig rig;
   rig.machine = model::GyroscopeParameters{.gyro = {.mass = 1.0,
