@@ -168,7 +168,7 @@ FigureKeys default_keys(const Rig& rig) {
   using Range = std::optional<KeyRange>;
   const auto around = [](const char* key, double value, double low, double high) -> Range {
     if (value == 0.0) return std::nullopt;  // no range about it
-    const auto [least, most] = std::minmax(low * value, high * value);
+    const auto [least, most] = std::minmax({low * value, high * value});
     return KeyRange{key, least, most};
   };
   const auto keys_with = [](const Range& rotors, const Range& other) {

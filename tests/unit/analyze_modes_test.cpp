@@ -6,6 +6,7 @@
 #include <complex>
 #include <random>
 
+#include "clients/analyze/figures.hpp"
 #include "clients/analyze/modes.hpp"
 #include "clients/analyze/polynomial.hpp"
 
@@ -144,6 +145,29 @@ TEST(Polynomial, IsThatOfItsRoots) {
       {std::complex<double>(-1, 2), std::complex<double>(-1, -2), std::complex<double>(3, 0)}});
   EXPECT_EQ(p, (Polynomial{1, -1, -1, -15}));
   EXPECT_EQ(text_of(p), "s^3 - s^2 - s - 15");
+}
+
+/// Pictures vary what the rig has, about what it has.
+TEST(FigureKeys, LieAboutTheRigsOwnNumbers) {
+  const auto within = [](double low, double value, double high) {
+    EXPECT_LT(low, value);
+    EXPECT_LT(value, high);
+    EXPECT_LT(std::abs(high), 3.0 * std::abs(value));
+  };
+  Rig rig = load_rig("prototype_b");
+  auto& gyros = std::get<model::UmbrellaParameters>(rig.machine).gyros;
+  for (const double sign : {1.0, -1.0}) {
+    gyros.rotor_speed = sign * 1256.6;
+    const FigureKeys keys = default_keys(rig);
+    within(keys.locus->low, gyros.rotor_speed, keys.locus->high);
+    EXPECT_EQ(keys.map->first.low, keys.locus->low);
+    within(keys.map->second.low, *rig.controller.disc_speed, keys.map->second.high);
+  }
+  gyros.rotor_speed = 0.0;
+  EXPECT_FALSE(default_keys(rig).locus);
+  const Rig pair = load_rig("brennan_monorail");
+  const auto& p = std::get<model::GimballedParameters>(pair.machine);
+  within(default_keys(pair).map->second.low, p.structure.mass, default_keys(pair).map->second.high);
 }
 
 }  // namespace
