@@ -19,12 +19,14 @@ inline constexpr std::array<Program, 3> kDaemons{{
     {"controller", "keeps it up: hears STATE, answers with COMMAND"},
 }};
 
-inline constexpr std::array<Program, 9> kClients{{
+inline constexpr std::array<Program, 11> kClients{{
     {"ctl", "arm, disarm, pause, step, reset ...; status; wait until it balances"},
     {"disturb", "push it, break parts of it, play a scenario, see it recover"},
     {"top", "how the rig is, live: state, margins, rates, losses, who is alive"},
     {"log", "keep the record: record, info, cat, replay, recover"},
     {"analyze", "whether a rig stands, by how much, and why: text, JSON or a page with pictures"},
+    {"experiment", "coast-down, swing, run-down: runs one on a rig and records it"},
+    {"calibrate", "parameters of a rig, with their covariance, from its logs"},
     {"sweep", "many rigs, starts and disturbances at once: which ones stand"},
     {"simulate", "the same rig offline, faster than real time, into a CSV"},
     {"rig_emulator", "a rig behind its line: what to test the hardware daemon with"},

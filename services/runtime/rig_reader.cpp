@@ -47,9 +47,9 @@ constexpr TextRule kSentence{
       return std::none_of(t.begin(), t.end(), [](unsigned char c) { return c < ' ' || c == 0x7f; });
     }};
 
-constexpr TextRule kDevice{"an absolute path, e.g. /dev/ttyACM0", [](const std::string& t) {
-                             return !t.empty() && t.front() == '/' && t.size() < 256;
-                           }};
+constexpr TextRule kDevice{
+    "an absolute path, e.g. /dev/ttyACM0, or empty",
+    [](const std::string& t) { return t.empty() || (t.front() == '/' && t.size() < 256); }};
 
 // Leaves room for the longest channel of messages/channels.hpp within 63 characters.
 constexpr TextRule kPrefix{"a text of A-Z 0-9 _, at most 31 characters", [](const std::string& t) {

@@ -1,0 +1,50 @@
+// Experiments: what they ask of a rig beforehand, and where a simulated one starts.
+#include <gtest/gtest.h>
+
+#include "clients/experiment/conduct.hpp"
+
+namespace gyrotwin {
+namespace {
+
+ExperimentPlan plan(std::string_view name) {
+  return {.kind = &experiment_of(name), .mass_kg = 10.0, .mass_height_m = -0.4};
+}
+
+TEST(Experiment, SaysHowASimulatedRigIsArranged) {
+  const Rig rig = load_rig("prototype_b");
+  for (const ExperimentKind& kind : kExperiments) {
+    const ExperimentPlan wanted = plan(kind.name);
+    std::vector<std::string> overrides = arrangement(kind, rig);
+    if (kind.rotors_at_rest) overrides.emplace_back("rotor_drive.start_share=0");
+    std::string words;
+    for (const std::string& key : overrides) words += " --set " + key;
+    const std::string why = misfit(wanted, rig, true);
+    EXPECT_EQ(why.empty(), overrides.empty()) << kind.name;
+    EXPECT_TRUE(why.ends_with(words)) << why;
+    EXPECT_EQ(misfit(wanted, load_rig("prototype_b", overrides), true), "") << kind.name;
+    EXPECT_EQ(misfit(wanted, rig, false), "") << kind.name;
+    EXPECT_EQ(by_hand(wanted, true), "");
+    EXPECT_EQ(by_hand(wanted, false).empty(), overrides.empty());
+  }
+}
+
+TEST(Experiment, WantsACounterweightThatMakesItHang) {
+  ExperimentPlan light = plan("swing");
+  light.mass_kg = 4.0;  // 15.7 N m/rad, and 18.1 topple it
+  EXPECT_NE(misfit(light, load_rig("prototype_b"), false).find("would not swing but fall"),
+            std::string::npos);
+}
+
+TEST(Experiment, RefusesASafeStopThatNoLogTells) {
+  const Rig rig = load_rig("double_brennan", {"safety.safe_stop=hold_speed"});
+  EXPECT_NE(misfit(plan("run-down"), rig, false).find("hold_speed"), std::string::npos);
+}
+
+TEST(Experiment, SimulatedRigsStartWhereTheyShould) {
+  EXPECT_FALSE(start_of(plan("coast-down")).has_value());
+  EXPECT_EQ(start_of(plan("run-down"))->initial_q[0], 0.0);
+  EXPECT_EQ(start_of(plan("swing"))->initial_q[0], 0.1);
+}
+
+}  // namespace
+}  // namespace gyrotwin
