@@ -31,22 +31,28 @@ Sighting sight(const Rig& rig, Asker& asker) {
                 .owner = {},
                 .controller = {},
                 .command = {},
-                .state = {}};
+                .state = {},
+                .nominal_rotor_speed = {},
+                .mirror = {}};
   const model::Machine machine = rig.build_machine();
   seen.nominal_rotor_speed.assign(machine.nominal_rotor_speed.begin(),
                                   machine.nominal_rotor_speed.begin() + machine.rotors);
-  asker.listen(kSightingNs, [&seen](const Reception& reception) {
-    if (reception.channel == Channel::kIntegratorStatus) {
+  bool twin = false;  // whose mirror is to be heard as well
+  asker.listen(kSightingNs, [&seen, &twin](const Reception& reception) {
+    twin |= reception.channel == Channel::kTwinState;
+    if (is_owner_status(reception.channel)) {
       Bus::decode(reception, seen.owner.emplace());
     } else if (reception.channel == Channel::kControllerStatus) {
       Bus::decode(reception, seen.controller.emplace());
+    } else if (reception.channel == Channel::kMirrorStatus) {
+      Bus::decode(reception, seen.mirror.emplace());
     } else if (reception.channel == Channel::kCommand) {
       Bus::decode(reception, seen.command.emplace());
     } else if (reception.channel == Channel::kState) {
       Bus::decode(reception, seen.state.emplace());
     }
     const bool lease_known = seen.owner && (seen.owner->command_writer == 0 || seen.command);
-    return lease_known && seen.controller && seen.state;
+    return lease_known && seen.controller && seen.state && (seen.mirror || !twin);
   });
   seen.reach += asker.suspicion();
   return seen;
@@ -57,7 +63,7 @@ void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns) {
   status_t status = asker.owner(limit_ns);
   const auto there = [&] { return status.mode == static_cast<std::int32_t>(mode); };
   const bool came = there() || asker.listen(end - asker.now_ns(), [&](const Reception& reception) {
-    if (reception.channel != Channel::kIntegratorStatus) return false;
+    if (!is_owner_status(reception.channel)) return false;
     Bus::decode(reception, status);
     return there();
   });
@@ -75,7 +81,7 @@ void wait_until_ready(Asker& asker, std::int64_t limit_ns) {
     // As the owner sees it: a peer without STATUS is known by its commands.
     controller |=
         reception.channel == Channel::kControllerStatus || reception.channel == Channel::kCommand;
-    if (reception.channel == Channel::kIntegratorStatus) Bus::decode(reception, status);
+    if (is_owner_status(reception.channel)) Bus::decode(reception, status);
     return controller && status.mode == status_t::MODE_HELD;
   });
   if (ready) return;
@@ -94,7 +100,7 @@ void wait_for_balance(Asker& asker, BalanceWatch watch, std::int64_t limit_ns) {
       state_t state;
       Bus::decode(reception, state);
       balanced = watch.on(state);
-    } else if (reception.channel == Channel::kIntegratorStatus) {
+    } else if (is_owner_status(reception.channel)) {
       Bus::decode(reception, status);
     }
     return balanced || needs_reset(status.mode);

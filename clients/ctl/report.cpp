@@ -84,8 +84,9 @@ std::string owner_text(const Sighting& sighting) {
   return text + line("bus", bus(s));
 }
 
-std::string controller_text(const status_t& s) {
-  std::string text = headline("controller", s);
+/// One that listens.
+std::string listener_text(std::string_view peer, const status_t& s) {
+  std::string text = headline(peer, s);
   text += line("process", process_text(s));
   text += line("computes", distribution_text(s.compute_p50_ns, s.compute_p99_ns, s.compute_max_ns));
   return text + line("bus", bus(s));
@@ -121,8 +122,9 @@ std::string report(const Sighting& sighting) {
   std::string text = fmt::format("rig {} on {}\n\n", sighting.rig, sighting.reach);
   text += sighting.owner ? owner_text(sighting) : not_heard("owner", "integrator", sighting.rig);
   text += '\n';
-  text += sighting.controller ? controller_text(*sighting.controller)
+  text += sighting.controller ? listener_text("controller", *sighting.controller)
                               : not_heard("controller", "controller", sighting.rig);
+  if (sighting.mirror) text += '\n' + listener_text("mirror", *sighting.mirror);
   return text;
 }
 

@@ -18,6 +18,7 @@ struct Sighting {
   std::optional<command_t> command;           ///< the last one
   std::optional<state_t> state;               ///< the last one
   std::vector<double> nominal_rotor_speed{};  ///< of the rig's rotors [rad/s]
+  std::optional<status_t> mirror{};           ///< many rigs have none
 };
 
 /// Angle between the structure's axis and the vertical [rad], where STATE tells it.

@@ -13,23 +13,25 @@ struct Program {
   std::string_view summary;
 };
 
-inline constexpr std::array<Program, 3> kDaemons{{
+inline constexpr std::array<Program, 4> kDaemons{{
     {"integrator", "owns a simulated platform: physics, modes, limits"},
     {"hardware", "owns a real one, over a serial line: the same channels, modes and limits"},
     {"controller", "keeps it up: hears STATE, answers with COMMAND"},
+    {"mirror", "the twin: follows a live rig, says what disagrees and what happens next"},
 }};
 
-inline constexpr std::array<Program, 11> kClients{{
+inline constexpr std::array<Program, 12> kClients{{
     {"ctl", "arm, disarm, pause, step, reset ...; status; wait until it balances"},
     {"disturb", "push it, break parts of it, play a scenario, see it recover"},
     {"top", "how the rig is, live: state, margins, rates, losses, who is alive"},
     {"log", "keep the record: record, info, cat, replay, recover"},
+    {"rerun", "a record once more through mirror or controller: the same bytes, or where not"},
     {"analyze", "whether a rig stands, by how much, and why: text, JSON or a page with pictures"},
     {"experiment", "coast-down, swing, run-down: runs one on a rig and records it"},
     {"calibrate", "parameters of a rig, with their covariance, from its logs"},
     {"sweep", "many rigs, starts and disturbances at once: which ones stand"},
     {"simulate", "the same rig offline, faster than real time, into a CSV"},
-    {"rig_emulator", "a rig behind its line: what to test the hardware daemon with"},
+    {"rig_emulator", "a rig for those who have none: a plant and its firmware, on a line"},
     {"key", "make or show the key that signs the rig's messages"},
 }};
 

@@ -28,6 +28,8 @@ enum class Detail { kShort, kFull };
 Lines head_block(const View& view);
 /// Tilt, disc, gyros, drives, contacts; what was not heard lately is marked.
 Lines state_block(const View& view, Detail detail);
+/// What the twin says: whether rig and model agree, and what comes next; empty when none was heard.
+Lines twin_block(const View& view);
 /// Disturbances and faults, `most` by name; empty when nothing acts.
 Lines acting_block(const View& view, std::size_t most);
 /// Who is alive, and how their loops do.

@@ -84,6 +84,32 @@ Json truth_json(const Heard<truth_t>& heard, const RigFacts& facts) {
   return json;
 }
 
+/// What the twin says, null where it has said nothing.
+Json twin_json(const Picture& picture) {
+  Json json = {{"health", nullptr}, {"forecast", nullptr}};
+  if (picture.health) {
+    const health_t& h = picture.health->message;
+    json["health"] = heard_json(*picture.health);
+    json["health"]["verdict"] = h.verdict;
+    json["health"]["blame"] = h.blame;
+    json["health"]["text"] = get_text(h.text);
+    json["health"]["nis_total"] = h.nis_total;
+    json["health"]["external_moment_nm"] = h.external_moment_nm;
+  }
+  if (picture.forecast) {
+    const forecast_t& f = picture.forecast->message;
+    const bool falls = f.outcome == forecast_t::FALLS;
+    json["forecast"] = heard_json(*picture.forecast);
+    json["forecast"]["falls"] = falls;
+    json["forecast"]["falls_in_s"] = falls ? Json(seconds(f.falls_in_ns)) : Json(nullptr);
+    json["forecast"]["fall_probability"] = f.fall_probability;
+    json["forecast"]["peak_tilt_rad"] = f.peak_tilt_rad;
+    json["forecast"]["final_tilt_rad"] = f.final_tilt_rad;
+    json["forecast"]["horizon_s"] = seconds(f.horizon_ns);
+  }
+  return json;
+}
+
 Json left_json(const std::optional<Margin>& margin) {
   return margin ? Json(margin->left) : Json(nullptr);
 }
@@ -159,6 +185,9 @@ std::string json_text(const Picture& picture, const RigFacts& facts, std::int64_
   json["owner"] = owner ? peer_json(*owner, owner_of(picture)) : Json(nullptr);
   json["controller"] =
       controller ? peer_json(*controller, daemon_json(controller->message)) : Json(nullptr);
+  const Peer& mirror = picture.mirror;
+  json["mirror"] = mirror ? peer_json(*mirror, daemon_json(mirror->message)) : Json(nullptr);
+  json["twin"] = twin_json(picture);
   json["measured_speed_factor"] = picture.speed ? Json(*picture.speed) : Json(nullptr);
   json["state"] = picture.state ? state_json(*picture.state, facts) : Json(nullptr);
   json["truth"] = picture.truth ? truth_json(*picture.truth, facts) : Json(nullptr);

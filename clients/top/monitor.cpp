@@ -75,13 +75,29 @@ void Monitor::hear(const Reception& reception, const Moment& now) {
       on_reply(decoded(reply_t{}), now);
       break;
     case Channel::kIntegratorStatus:
+    case Channel::kHardwareStatus:
       on_status(owner_, decoded(status_t{}), now);
       break;
     case Channel::kControllerStatus:
       on_status(controller_, decoded(status_t{}), now);
       break;
+    case Channel::kMirrorStatus:
+      on_status(mirror_, decoded(status_t{}), now);
+      break;
+    case Channel::kHealth: {
+      const auto health = decoded(health_t{});
+      if (of_this_run(health.header)) health_ = {health, now.mono_ns};
+      break;
+    }
+    case Channel::kForecast: {
+      const auto forecast = decoded(forecast_t{});
+      if (of_this_run(forecast.header)) forecast_ = {forecast, now.mono_ns};
+      break;
+    }
     case Channel::kSensors:
-      break;  // its traffic is counted
+    case Channel::kLink:
+    case Channel::kTwinState:
+      break;  // their traffic is counted
   }
 }
 
@@ -209,7 +225,7 @@ void Monitor::forget_what_is_over() {
 
 void Monitor::look(const Moment& now, const BusCounters& bus) {
   bus_ = bus;
-  for (Followed* peer : {&owner_, &controller_}) {
+  for (Followed* peer : {&owner_, &controller_, &mirror_}) {
     if (!peer->alive || now.mono_ns - peer->status->at_ns < kSilenceNs) continue;
     peer->alive = false;
     happen(
@@ -242,6 +258,9 @@ Picture Monitor::picture(const Moment& now) const {
   picture.utc_ns = now.utc_ns;
   if (owner_.status) picture.owner = owner_.status->at(now);
   if (controller_.status) picture.controller = controller_.status->at(now);
+  if (mirror_.status) picture.mirror = mirror_.status->at(now);
+  if (health_) picture.health = health_->at(now);
+  if (forecast_) picture.forecast = forecast_->at(now);
   if (state_) picture.state = state_->at(now);
   if (truth_) picture.truth = truth_->at(now);
   picture.latest = latest();

@@ -62,9 +62,11 @@ class Monitor {
   void measure(const Moment& now);
   void happen(const Moment& now, Level level, std::string who, std::string what);
 
-  Followed owner_{.name = "owner"}, controller_{.name = "controller"};
+  Followed owner_{.name = "owner"}, controller_{.name = "controller"}, mirror_{.name = "mirror"};
   std::optional<Kept<state_t>> state_;
   std::optional<Kept<truth_t>> truth_;
+  std::optional<Kept<health_t>> health_;
+  std::optional<Kept<forecast_t>> forecast_;
   std::optional<command_t> command_;
   std::array<std::optional<std::int64_t>, kChannels.size()> heard_at_{};
   BusCounters bus_;

@@ -64,6 +64,7 @@ Lines peers_short(const View& view) {
   };
   row("owner", "integrator", picture.owner, true);
   row("controller", "controller", picture.controller, false);
+  if (picture.mirror) row("mirror", "mirror", picture.mirror, false);
   return lines;
 }
 
@@ -106,6 +107,9 @@ Lines peers_full(const View& view) {
   }
   lines.push_back(peer_line(view, "controller", "controller", controller));
   if (live(controller)) process_details(view, *controller, lines);
+  const Peer& mirror = view.picture.mirror;
+  if (mirror) lines.push_back(peer_line(view, "mirror", "mirror", mirror));
+  if (live(mirror)) process_details(view, *mirror, lines);
   return lines;
 }
 
@@ -144,8 +148,10 @@ Lines traffic_short(const View& view) {
        {Channel::kState, Channel::kCommand, Channel::kTruth, Channel::kSensors}) {
     rates.put(fmt::format("  {} {:.0f}", plain_name(channel), per_second(channel)));
   }
-  rates.put(fmt::format("  STATUS {:.0f}+{:.0f}", per_second(Channel::kIntegratorStatus),
-                        per_second(Channel::kControllerStatus)));
+  rates.put(
+      fmt::format("  STATUS {:.0f}+{:.0f}",
+                  per_second(Channel::kIntegratorStatus) + per_second(Channel::kHardwareStatus),
+                  per_second(Channel::kControllerStatus)));
   lost.put("never came");
   const auto count = [&lost](std::string_view who, std::int64_t gaps) {
     lost.put(fmt::format("  {} {}", who, gaps), tone_of_loss(gaps));

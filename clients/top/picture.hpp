@@ -61,10 +61,12 @@ struct Acting {
 
 struct Picture {
   std::int64_t utc_ns = 0;  ///< since 1970
-  Peer owner, controller;
+  Peer owner, controller, mirror;
   std::optional<header_t> latest;  ///< the owner's newest, of STATE or STATUS
   std::optional<Heard<state_t>> state;
   std::optional<Heard<truth_t>> truth;
+  std::optional<Heard<health_t>> health;  ///< of the twin
+  std::optional<Heard<forecast_t>> forecast;
   std::optional<command_t> command;
   std::optional<double> speed;  ///< simulated over wall time, measured over the last second
   std::array<ChannelTraffic, kChannels.size()> channels;

@@ -56,6 +56,7 @@ Lines happenings(const View& view, std::size_t rows) {
 
 Lines stacked(const View& view, Detail detail, std::size_t most_acting) {
   Lines lines = state_block(view, detail);
+  append(lines, twin_block(view));
   append(lines, acting_block(view, most_acting));
   append(lines, peers_block(view, detail));
   append(lines, traffic_block(view, detail));
@@ -78,6 +79,7 @@ Lines two_columns(const View& view, std::size_t rows) {
   left.columns = view.columns - right.columns - 1;
 
   Lines lines = state_block(left, Detail::kFull);
+  append(lines, twin_block(left));
   append(lines, acting_block(left, kMostActing));
   append(lines, happenings(left, rows - std::min(rows, lines.size())));
   lines.resize(rows);

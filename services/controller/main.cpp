@@ -1,3 +1,5 @@
+#include <string>
+
 #include "services/controller/service.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/rig_bus.hpp"
@@ -9,14 +11,16 @@ namespace {
 // Below the owner's, who must notice when this one goes astray.
 constexpr int kPriority = 79;
 
-int run(const RigOptions& options) {
+int run(const RigOptions& options, const std::string& on) {
   const Rig rig = options.load();
   Daemon daemon("gyrotwin-controller");
   MonotonicClock clock;
   Bus bus(bus_config(rig, header_t::CONTROLLER));
-  ControllerService service(rig, bus, clock, daemon);
+  ControllerService service(rig, bus, clock, daemon,
+                            on == "twin" ? Feedback::kTwin : Feedback::kLive);
   daemon.log(LogLevel::kInfo, "{}", service.law().describe());
-  daemon.log(LogLevel::kInfo, "answers rig {} on {}", rig.name, reach(rig));
+  daemon.log(LogLevel::kInfo, "answers {}/STATE of rig {} on {}", on == "twin" ? "TWIN" : "LIVE",
+             rig.name, reach(rig));
   daemon.become_realtime(kPriority);
   service.run();
   daemon.log(LogLevel::kInfo, "stopped");
@@ -32,5 +36,12 @@ int main(int argc, char** argv) {
       "Answers every STATE of the rig's owner with the COMMAND of the law that the rig file names.",
       "gyrotwin-controller");
   const gyrotwin::RigOptions options(app);
-  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options); });
+  std::string on = "live";
+  app.add_option("--on", on,
+                 "Whose STATE it answers: live, the owner's, or twin, what the mirror makes of "
+                 "SENSORS; when the twin falls silent, no commands are given")
+      ->check(gyrotwin::one_of({"live", "twin"}).description(""))
+      ->type_name("live|twin")
+      ->capture_default_str();
+  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options, on); });
 }

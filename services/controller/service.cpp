@@ -16,12 +16,14 @@ constexpr std::int64_t kActive = kSecond / 5;         // a COMMAND that recent
 
 }  // namespace
 
-ControllerService::ControllerService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon)
+ControllerService::ControllerService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon,
+                                     Feedback on)
     : bus_(bus),
       clock_(clock),
       daemon_(daemon),
       epoch_(random_id()),
-      controller_(rig, random_id()) {}
+      controller_(rig, random_id()),
+      on_(on) {}
 
 void ControllerService::run() noexcept {
   while (!daemon_.stopping()) {
@@ -33,12 +35,13 @@ void ControllerService::run() noexcept {
 }
 
 void ControllerService::listen(std::int64_t now) noexcept {
+  const Channel answered = on_ == Feedback::kTwin ? Channel::kTwinState : Channel::kState;
   while (const auto reception = bus_.receive()) {
-    if (reception->channel == Channel::kState) {
+    if (reception->channel == answered) {
       state_t state;
       Bus::decode(*reception, state);
       on_state(state, now);
-    } else if (reception->channel == Channel::kIntegratorStatus) {
+    } else if (is_owner_status(reception->channel)) {
       status_t status;
       Bus::decode(*reception, status);
       on_owner(status, now);
@@ -47,6 +50,8 @@ void ControllerService::listen(std::int64_t now) noexcept {
 }
 
 void ControllerService::on_state(const state_t& state, std::int64_t now) noexcept {
+  state_heard_ = now;
+  said_twin_lost_ = false;
   command_t command;
   if (!controller_.answer(state, command)) return;
   bus_.send(Channel::kCommand, command,
@@ -71,6 +76,11 @@ bool ControllerService::owner_lost(std::int64_t now) const noexcept {
   return owner_heard_ < 0 || now - owner_heard_ > kOwnerPatience;
 }
 
+/// Nothing takes its place: without commands the owner stops safely.
+bool ControllerService::twin_lost(std::int64_t now) const noexcept {
+  return on_ == Feedback::kTwin && (state_heard_ < 0 || now - state_heard_ > kActive);
+}
+
 void ControllerService::report(std::int64_t now) noexcept {
   if (now >= window_due_) {
     compute_.roll();
@@ -88,6 +98,10 @@ void ControllerService::report(std::int64_t now) noexcept {
     set_text(status.text, "no owner is heard: start gyrotwin-integrator with the same rig file");
     if (!said_lost_) daemon_.log(LogLevel::kWarning, "the owner is silent");
     said_lost_ = true;
+  } else if (twin_lost(now)) {
+    set_text(status.text, "no TWIN/STATE is heard, so no commands: start gyrotwin-mirror");
+    if (!said_twin_lost_) daemon_.log(LogLevel::kWarning, "the twin is silent: no more commands");
+    said_twin_lost_ = true;
   } else if (!active) {
     set_text(status.text, "the owner is {}", mode_name(owner_.mode));
   }

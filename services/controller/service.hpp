@@ -10,11 +10,15 @@
 
 namespace gyrotwin {
 
+/// Whose STATE it answers: the owner's or the mirror's.
+enum class Feedback : std::uint8_t { kLive, kTwin };
+
 /// One thread does everything; nothing allocates in run().
 class ControllerService {
  public:
   /// All references outlive the service.
-  ControllerService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon);
+  ControllerService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon,
+                    Feedback on = Feedback::kLive);
 
   /// Answers until the daemon stops.
   void run() noexcept;
@@ -27,22 +31,26 @@ class ControllerService {
   void on_owner(const status_t& status, std::int64_t now) noexcept;
   void report(std::int64_t now) noexcept;
   bool owner_lost(std::int64_t now) const noexcept;
+  bool twin_lost(std::int64_t now) const noexcept;
 
   Bus& bus_;
   Clock& clock_;
   Daemon& daemon_;
   std::int64_t epoch_;  // of what it sends; a new one for every run of the owner
   Controller controller_;
+  Feedback on_;
 
   Identity identity_;
   status_t owner_{};               // the last STATUS of the owner
   std::int64_t owner_heard_ = -1;  // wall time; -1: never
+  std::int64_t state_heard_ = -1;  // wall time, of whom it is on; -1: never
   std::int64_t answered_at_ = -1;  // wall time of the last COMMAND
   std::int64_t status_due_ = 0;    // wall time
   std::int64_t window_due_ = 0;    // wall time at which the statistics roll
   std::int64_t status_sequence_ = 0;
-  bool said_lost_ = true;      // nothing to say before an owner was there
-  WindowedHistogram compute_;  // STATE received to COMMAND sent
+  bool said_lost_ = true;       // nothing to say before an owner was there
+  bool said_twin_lost_ = true;  // nor before a twin was
+  WindowedHistogram compute_;   // STATE received to COMMAND sent
 };
 
 }  // namespace gyrotwin

@@ -293,7 +293,7 @@ Rig read_rig(TomlReader& reader) {
   read_mirror(reader, rig.mirror);
   auto hardware = reader.table("hardware", Need::kOptional);
   hardware.text("device", rig.hardware.device, kDevice);
-  hardware.integer("baud", rig.hardware.baud, {0, 12'000'000});
+  hardware.integer("baud", rig.hardware.baud, kNotNegative);
 
   const CoordinateNames names = coordinate_names(rig.machine);
   auto initial = reader.table("initial", Need::kRequired);

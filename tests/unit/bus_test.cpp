@@ -75,6 +75,9 @@ TEST_P(BusTest, CarriesEveryChannel) {
   auto truth = distinct<truth_t>();
   auto status = distinct<status_t>();
   auto sensors = distinct<sensors_t>();
+  auto link = distinct<link_t>();
+  auto health = distinct<health_t>();
+  auto forecast = distinct<forecast_t>();
   mouth.send(Channel::kState, state, {});
   mouth.send(Channel::kCommand, command, {});
   mouth.send(Channel::kRequest, request, {});
@@ -83,6 +86,12 @@ TEST_P(BusTest, CarriesEveryChannel) {
   mouth.send(Channel::kIntegratorStatus, status, {});
   mouth.send(Channel::kControllerStatus, status, {});
   mouth.send(Channel::kSensors, sensors, {});
+  mouth.send(Channel::kHardwareStatus, status, {});
+  mouth.send(Channel::kLink, link, {});
+  mouth.send(Channel::kMirrorStatus, status, {});
+  mouth.send(Channel::kTwinState, state, {});
+  mouth.send(Channel::kHealth, health, {});
+  mouth.send(Channel::kForecast, forecast, {});
   for (const ChannelSpec& row : kChannels) {
     const auto reception = receive_soon(ears);
     ASSERT_TRUE(reception);

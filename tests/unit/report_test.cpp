@@ -59,11 +59,19 @@ Sighting everything() {
           .controller = controller(),
           .command = command,
           .state = state,
-          .nominal_rotor_speed = {800.0, 800.0}};
+          .nominal_rotor_speed = {800.0, 800.0},
+          .mirror = {}};
 }
 
 bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
+}
+
+TEST(Report, NamesAMirrorWhereThereIsOne) {
+  Sighting seen = everything();
+  EXPECT_FALSE(contains(report(seen), "mirror"));
+  seen.mirror = controller();
+  EXPECT_TRUE(contains(report(seen), "mirror      ACTIVE")) << report(seen);
 }
 
 TEST(Report, SaysWhatMatters) {

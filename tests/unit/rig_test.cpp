@@ -45,7 +45,7 @@ const Mistake kMistakes[] = {
      "2: error: unknown table [disc]; the tables of this rig are [rig] [network] [loop] "
      "[gimballed] "
      "[structure] [gyros] [drive] [safety] [controller] [rotor_drive] [load_cell] [wind] [sensors] "
-     "[estimator] [initial] [disturbance]"},
+     "[estimator] [mirror] [hardware] [initial] [disturbance]"},
     {"MissingKey", "prototype_b", "mass_kg = 1.6", "", "disc", "[disc]",
      "1: error: missing key `disc.mass_kg`, a number > 0"},
     {"TextForANumber", "prototype_b", "mass_kg = 1.6", "mass_kg = \"heavy\"", "disc", "mass_kg",
@@ -151,7 +151,8 @@ const Mistake kMistakes[] = {
     {"WindOnAGyroscope", "simple_gyroscope", "[rotor_drive]", "[wind]\n[rotor_drive]", "wind",
      "[wind]",
      "2: error: unknown table [wind]; the tables of this rig are [rig] [network] [loop] "
-     "[gyroscope] [drive] [safety] [controller] [rotor_drive] [sensors] [estimator] [initial] "
+     "[gyroscope] [drive] [safety] [controller] [rotor_drive] [sensors] [estimator] [mirror] "
+     "[hardware] [initial] "
      "[disturbance]"},
     {"FlywheelHeavierThanItsAxle", "simple_gyroscope", "rotor_inertia_kgm2 = 0.0137",
      "rotor_inertia_kgm2 = 0.2", "gyroscope", "rotor_inertia_kgm2",

@@ -1,0 +1,75 @@
+#include "clients/rerun/comparison.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <sstream>
+
+#include "clients/log/lcm_text.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+// A counterpart comes sooner, or never.
+constexpr std::size_t kPatience = 20'000;
+
+/// The parts of an object, one a field.
+std::vector<std::string> fields(const LcmType& type, const Comparison::Payload& payload) {
+  std::string text;
+  append_json(text, type, payload);
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  for (const char c : text) {
+    depth += c == '{' || c == '[';
+    depth -= c == '}' || c == ']';
+    if (c == ',' && depth == 1) {
+      parts.emplace_back();
+    } else if (!(depth == 1 && c == '{') && depth > 0) {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+}  // namespace
+
+void Comparison::keep(std::map<Key, Payload>& of, const Key& key, const Payload& payload) {
+  of[key] = payload;
+  if (of.size() > kPatience) of.erase(of.begin());
+}
+
+void Comparison::made(Channel channel, std::int64_t epoch, std::int64_t sequence,
+                      const Payload& payload) {
+  const Key key{channel, epoch, sequence};
+  const auto found = recorded_.find(key);
+  if (found == recorded_.end()) return keep(made_, key, payload);
+  compare(key, found->second, payload);
+  recorded_.erase(found);
+}
+
+void Comparison::recorded(Channel channel, std::int64_t epoch, std::int64_t sequence,
+                          const Payload& payload) {
+  const Key key{channel, epoch, sequence};
+  const auto found = made_.find(key);
+  if (found == made_.end()) return keep(recorded_, key, payload);
+  compare(key, payload, found->second);
+  made_.erase(found);
+}
+
+void Comparison::compare(const Key& key, const Payload& recorded, const Payload& made) {
+  ++compared_;
+  if (recorded == made) return;
+  ++different_;
+  if (!first_difference_.empty()) return;
+  const auto& [channel, epoch, sequence] = key;
+  static const LcmTypes types(lcm_sources());
+  const LcmType& type = *types.find(spec(channel).type);
+  const auto was = fields(type, recorded), is = fields(type, made);
+  std::size_t i = 0;
+  while (i + 1 < was.size() && was[i] == is[i]) ++i;
+  first_difference_ =
+      fmt::format("{}, sequence {} of run {:08x}: recorded {}, now {}", spec(channel).suffix,
+                  sequence, static_cast<std::uint64_t>(epoch) >> 32, was[i], is[i]);
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,123 @@
+// gyrotwin-rerun: a record once more through mirror or controller.
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "clients/rerun/rerun.hpp"
+#include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
+#include "services/runtime/rig_bus.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+struct Options {
+  std::string file, output;
+  std::vector<std::string> overrides;
+  std::string on = "live";
+};
+
+/// A log of what is made, which says of itself what it is.
+class Output {
+ public:
+  Output(const std::string& path, const Log& log, const Rig& rig) : prefix_(rig.network.prefix) {
+    if (path.empty()) return;
+    writer_.emplace(path);
+    const Identity identity;
+    const About about{.program = "gyrotwin-rerun " GYROTWIN_VERSION,
+                      .host = identity.host,
+                      .rig = rig.name,
+                      .prefix = prefix_,
+                      .rig_id = rig.id,
+                      .key = "",
+                      .channels = channels_of(prefix_)};
+    events_ = opening_events(about, lcm_sources(), log.catalog().rig_file(), 0);
+  }
+
+  void take(Channel channel, std::span<const std::uint8_t> payload, std::int64_t us) {
+    if (!writer_) return;
+    const std::string name = prefix_ + "/" + std::string(spec(channel).suffix);
+    append_event(events_, {.time_us = us, .channel = name, .data = payload});
+    if (events_.size() > (1u << 20)) flush();
+  }
+  void flush() {
+    if (!writer_) return;
+    writer_->append(events_);
+    events_.clear();
+  }
+
+ private:
+  std::string prefix_;
+  std::optional<LogWriter> writer_;
+  LogBytes events_;
+};
+
+void add_common(CLI::App& sub, Options& options) {
+  sub.add_option("file", options.file, "A log of `gyrotwin log record`")
+      ->required()
+      ->type_name("LOG");
+  sub.add_option("--output", options.output, "A new log of what is made, unsigned")
+      ->type_name("OUT");
+  sub.add_option("--set", options.overrides,
+                 "Override a key of the rig file that the log carries; repeatable")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+}
+
+int run(const Options& options, bool mirror) {
+  Log log(options.file);
+  const Rig rig = rig_of(log, options.file, options.overrides);
+  Output output(options.output, log, rig);
+  const Take take = [&output](Channel channel, std::span<const std::uint8_t> payload,
+                              std::int64_t us) { output.take(channel, payload, us); };
+  const RerunOn on = options.on == "twin" ? RerunOn::kTwin : RerunOn::kLive;
+  const Account account =
+      mirror ? rerun_mirror(log, rig, take) : rerun_controller(log, rig, on, take);
+  output.flush();
+
+  if (log.damage().any()) {
+    std::fprintf(stderr, "%s is damaged: %s\n", options.file.c_str(), log.damage_text().c_str());
+  }
+  std::printf("%s: %lld messages heard, %lld made; %lld compared with recorded ones, %lld differ\n",
+              rig.name.c_str(), static_cast<long long>(account.heard),
+              static_cast<long long>(account.made), static_cast<long long>(account.compared),
+              static_cast<long long>(account.different));
+  if (account.made == 0) throw NotDone(options.file + ": nothing came of it");
+  if (account.different == 0) return kDone;
+  std::printf("first: %s\n", account.first_difference.c_str());
+  return kNotDone;
+}
+
+}  // namespace
+
+}  // namespace gyrotwin
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Feeds a record to mirror or controller once more, offline: the same log gives the same "
+      "bytes. What they make is compared with what was recorded of them.",
+      "gyrotwin-rerun");
+  app.footer(
+      "Exit code 0: nothing differs; 1: something does, or nothing came of it; 2: asked wrongly.\n"
+      "Examples:\n"
+      "  gyrotwin rerun mirror run.lcm --output twin.lcm\n"
+      "  gyrotwin rerun controller run.lcm");
+  app.require_subcommand(0, 1);
+  gyrotwin::Options options;
+
+  CLI::App* mirror = app.add_subcommand("mirror", "SENSORS and COMMAND to the mirror");
+  gyrotwin::add_common(*mirror, options);
+  CLI::App* controller = app.add_subcommand("controller", "STATE to the controller");
+  gyrotwin::add_common(*controller, options);
+  controller->add_option("--on", options.on, "Whose STATE the recorded controller answered")
+      ->check(gyrotwin::one_of({"live", "twin"}).description(""))
+      ->type_name("live|twin")
+      ->capture_default_str();
+
+  return gyrotwin::run_program(argc, argv, app, [&] {
+    if (mirror->parsed()) return gyrotwin::run(options, true);
+    if (controller->parsed()) return gyrotwin::run(options, false);
+    throw CLI::RequiredError("mirror or controller");
+  });
+}

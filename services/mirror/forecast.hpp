@@ -1,0 +1,100 @@
+// The next seconds of a rig, worked out in equal portions beside the ticks that are followed. Pure;
+// README.md beside it says what is assumed, and how good it is.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "messages/channels.hpp"
+#include "services/mirror/course.hpp"
+#include "services/mirror/follower.hpp"
+
+namespace gyrotwin {
+
+/// What is assumed of what no sensor shows.
+struct ForecastSettings {
+  double lasting_s = 0.3;  ///< a moment that has acted for so long lasts [s]
+  double fade_s = 0.02;    ///< what is beyond it fades with this time constant [s]
+  int confirm = 3;         ///< forecasts in a row that see it fall
+};
+
+class Forecast {
+ public:
+  static constexpr double kHorizon = 2.0;  ///< how far it looks [s]
+  static constexpr double kRate = 25.0;    ///< forecasts a second of the owner's time
+  static constexpr double kCourses = 2.4;  ///< full courses that are run for one forecast
+  static constexpr int kDraws = 16;        ///< of starts, before they come again
+  static constexpr int kShare = 8;         ///< last starts of which the share that falls is told
+
+  /// @param machine the rig's; both outlive the forecast
+  /// @throws Error as make_law()
+  Forecast(const Rig& rig, const model::Machine& machine, const ForecastSettings& settings = {});
+
+  /// Forgets: another run.
+  void reset() noexcept;
+  /// One tick, after Follower::step().
+  /// @param at header of the SENSORS that the estimate is about
+  /// @param stopped_from where the owner's safe stop began; null while it obeys the law
+  /// @return whether there is a new forecast
+  bool step(const Follower& follower, const header_t& at,
+            const model::State* stopped_from) noexcept;
+  /// Everything but mac, as of the last new one; header.sequence counts them by the owner's time.
+  void fill(forecast_t& forecast) const noexcept { forecast = forecast_; }
+
+  double step_s() const noexcept { return step_; }   ///< of a course
+  int portion() const noexcept { return portion_; }  ///< steps in a tick, at most
+
+ private:
+  struct Start {
+    model::State state;
+    Eigen::Vector2d moment;  ///< beside the estimate's [N m]
+  };
+
+  void remember(const Estimate& estimate, const header_t& at, bool lawful) noexcept;
+  void begin(const Follower& follower, const header_t& at,
+             const model::State* stopped_from) noexcept;
+  void begin_start(int index) noexcept;
+  void work() noexcept;
+  void conclude(const header_t& now) noexcept;
+  double share() const noexcept;
+  Eigen::Vector2d lasting_moment() const noexcept;
+
+  const Rig& rig_;
+  const model::Machine& machine_;
+  ForecastSettings settings_;
+  std::unique_ptr<Law> law_;
+  double step_;
+  std::int64_t period_;  // of forecasts [tick]
+  int portion_;
+  std::vector<double> normals_;  // kDraws times the state's, then kDraws times the moment's
+
+  // Kept from tick to tick.
+  bool lawful_ = false;
+  LawState memory_ = LawState::Zero();
+  static constexpr int kMoments = 16;                // over the time after which a moment lasts
+  std::int64_t moment_period_;                       // from one of them to the next [tick]
+  std::array<Eigen::Vector2d, kMoments> moments_{};  // a ring
+  int moments_known_ = 0;
+  std::int64_t remembered_tick_ = 0;
+
+  // The forecast that is worked on.
+  Course course_;
+  header_t at_{};
+  bool busy_ = false;  // begun, and not yet told
+  Outset outset_;
+  static constexpr int kStarts = 6;  // of one forecast, at most
+  std::array<Start, kStarts> starts_{};
+  int started_ = 0;  // courses begun: the estimate's is the first
+  Outcome outcome_;  // of the estimate's course, once another has begun
+  bool mean_known_ = false;
+  int falls_in_row_ = 0;
+  std::array<bool, kShare> share_{};  // a ring
+  int shares_ = 0;
+
+  forecast_t forecast_{};
+};
+
+}  // namespace gyrotwin

@@ -1,0 +1,152 @@
+#include "services/mirror/mirror.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "services/onboard/drive_torques.hpp"
+#include "services/runtime/observation_wire.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr int kSubsteps = 2;  // of the follower in a tick, at least
+
+}  // namespace
+
+Mirror::Mirror(const Rig& rig, const ForecastSettings& forecast)
+    : rig_(rig),
+      machine_(rig.build_machine()),
+      gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
+      safe_stop_(rig, machine_),
+      lightness_(lightness(machine_, rig.initial_state(machine_))),
+      follower_(rig, machine_),
+      health_(rig, machine_),
+      forecast_(rig, machine_, forecast),
+      health_period_(
+          std::max<std::int64_t>(1, std::llround(1.0 / (kHealthRate * rig.loop.tick_s())))) {}
+
+void Mirror::begin_run(std::int64_t epoch) noexcept {
+  epoch_ = epoch;
+  gate_.reset(epoch);
+  health_.reset();
+  forecast_.reset();
+  mode_before_ = status_t::MODE_HELD;
+  started_ = news_ = health_due_ = was_settled_ = from_rest_ = false;
+  sensors_ = {};
+  acting_ = {};
+  stopped_from_.reset();
+}
+
+void Mirror::on_owner(const status_t& status) noexcept {
+  if (status.header.epoch != epoch_) begin_run(status.header.epoch);
+  mode_ = status.mode;
+}
+
+void Mirror::on_state(const state_t& state) noexcept {
+  if (state.header.epoch == epoch_) mode_ = state.mode;
+}
+
+void Mirror::on_command(const command_t& command) noexcept {
+  gate_.offer(command, sensors_.header.tick);
+}
+
+/// A fall, a fault or a pause ends a tick; any other end of RUNNING came before it.
+bool Mirror::runs_over_last_tick() const noexcept {
+  if (mode_ == status_t::MODE_RUNNING) return true;
+  return mode_before_ == status_t::MODE_RUNNING && mode_ != status_t::MODE_SAFE_STOP;
+}
+
+/// What the drives did over a tick, as the owner goes about it.
+model::Input Mirror::acted(std::int64_t tick) noexcept {
+  const model::State& state = follower_.estimate().state;
+  if (!runs_over_last_tick()) {
+    if (!stopped_from_) safe_stop_.begin(stopped_from_.emplace(state));
+    model::Input input = safe_stop_.input(state);
+    calm_down(lightness_, rig_.loop.tick_s() / kSubsteps, input);
+    return input;
+  }
+  model::Input input;
+  if (const command_t* command = gate_.acting(tick)) {
+    input.mode = command->mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage
+                                                       : model::DriveMode::kTorque;
+    std::copy(std::begin(command->value), std::end(command->value), input.drive.begin());
+  }
+  return input;
+}
+
+void Mirror::watch_settling(std::int64_t tick) noexcept {
+  const bool settled = follower_.settled();
+  if (!started_ || (was_settled_ && !settled)) {
+    unsettled_since_ = tick;
+    from_rest_ = tick == 0;
+  }
+  was_settled_ = settled;
+}
+
+bool Mirror::ripe() const noexcept {
+  const std::int64_t ticks = sensors_.header.tick - unsettled_since_;
+  return started_ && static_cast<double>(ticks) * rig_.loop.tick_s() >= kRipe;
+}
+
+bool Mirror::on_sensors(const sensors_t& sensors) noexcept {
+  health_due_ = false;
+  const header_t& before = sensors_.header;
+  const header_t& now = sensors.header;
+  if (now.epoch != epoch_ || (started_ && now.sequence < before.sequence)) {
+    news_ = false;
+    return false;
+  }
+  news_ = !started_ || now.sequence > before.sequence;
+  // While HELD each repeat may tell of rotors that run.
+  const bool at_rest = now.tick == 0;
+  if (!news_ && !at_rest) return follows();
+
+  if (!started_ || at_rest) {
+    follower_.start(sensors);
+    acting_ = {};
+    watch_settling(now.tick);
+    started_ = true;
+  } else {
+    acting_ = acted(now.tick - 1);
+    follower_.step(sensors, acting_);
+    watch_settling(now.tick);
+    health_.take(follower_, sensors, acting_);
+    follower_.distrust(health_.distrusted());
+    health_due_ = now.tick / health_period_ != before.tick / health_period_;
+  }
+  sensors_ = sensors;
+  mode_before_ = mode_;
+  return follows();
+}
+
+bool Mirror::look_ahead() noexcept {
+  const bool time_goes_on = news_ && sensors_.header.tick > 0;
+  news_ = false;
+  if (!time_goes_on || !ripe()) return false;
+  const bool obeys = mode_ == status_t::MODE_RUNNING || mode_ == status_t::MODE_PAUSED;
+  if (!obeys && !stopped_from_) {
+    safe_stop_.begin(stopped_from_.emplace(follower_.estimate().state));
+  }
+  return forecast_.step(follower_, sensors_.header, obeys ? nullptr : &*stopped_from_);
+}
+
+void Mirror::fill(state_t& state) const noexcept {
+  state = {};
+  state.header = sensors_.header;
+  state.mode = mode_;
+  const model::Observation seen = machine_.observe(follower_.estimate().state);
+  to_wire(seen, follower_.valid() | state_t::VALID_DRIVES, state);
+  const auto torques = drive_torques(machine_, seen, sensors_, acting_);
+  std::copy(torques.begin(), torques.end(), std::begin(state.drive_torque_nm));
+}
+
+void Mirror::fill(health_t& health) const noexcept {
+  health = {};
+  health_.fill(health);
+  health.header = sensors_.header;
+  health.header.sequence = sensors_.header.tick / health_period_;
+}
+
+}  // namespace gyrotwin

@@ -1,0 +1,137 @@
+#include "services/mirror/service.hpp"
+
+#include "services/runtime/key.hpp"
+#include "services/runtime/mode.hpp"
+#include "services/runtime/rig_bus.hpp"
+#include "services/runtime/text.hpp"
+
+namespace gyrotwin {
+
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kStatusPeriod = kSecond / 10;
+constexpr std::int64_t kPatience = kSecond / 2;  // five STATUS messages missing
+constexpr std::int64_t kActive = kSecond / 5;    // a TWIN/STATE that recent
+
+Stamp stamp_of(const header_t& header) {
+  return {header.epoch, header.sequence, header.tick, header.sim_time_ns};
+}
+
+}  // namespace
+
+MirrorService::MirrorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon)
+    : bus_(bus), clock_(clock), daemon_(daemon), epoch_(random_id()), mirror_(rig) {}
+
+void MirrorService::run() noexcept {
+  while (!daemon_.stopping()) {
+    listen();
+    report(clock_.now_ns());
+    bus_.wait(status_due_ - clock_.now_ns());
+  }
+}
+
+void MirrorService::listen() noexcept {
+  while (const auto reception = bus_.receive()) {
+    if (reception->channel == Channel::kSensors) {
+      sensors_t sensors;
+      Bus::decode(*reception, sensors);
+      on_sensors(sensors);
+    } else if (reception->channel == Channel::kState) {
+      state_t state;
+      Bus::decode(*reception, state);
+      mirror_.on_state(state);
+    } else if (reception->channel == Channel::kCommand) {
+      command_t command;
+      Bus::decode(*reception, command);
+      mirror_.on_command(command);
+    } else if (is_owner_status(reception->channel)) {
+      status_t status;
+      Bus::decode(*reception, status);
+      on_owner(status);
+    }
+  }
+}
+
+/// STATE first, that a controller may wait for; the forecast is in no hurry.
+void MirrorService::on_sensors(const sensors_t& sensors) noexcept {
+  const std::int64_t begin = clock_.now_ns();
+  if (sensors.header.epoch == mirror_.owner_epoch()) sensors_heard_ = begin;
+  if (mirror_.on_sensors(sensors)) {
+    state_t state;
+    mirror_.fill(state);
+    bus_.send(Channel::kTwinState, state, stamp_of(state.header));
+    told_ = clock_.now_ns();
+    follow_.add(told_ - begin);
+  }
+  if (mirror_.health_due()) {
+    health_t health;
+    mirror_.fill(health);
+    health.step_p50_ns = step_.p50();
+    health.step_max_ns = step_.max();
+    bus_.send(Channel::kHealth, health, stamp_of(health.header));
+  }
+  if (mirror_.look_ahead()) {
+    forecast_t forecast;
+    mirror_.fill(forecast);
+    bus_.send(Channel::kForecast, forecast, stamp_of(forecast.header));
+  }
+  step_.add(clock_.now_ns() - begin);
+}
+
+void MirrorService::on_owner(const status_t& status) noexcept {
+  if (said_lost_ || status.header.epoch != owner_.header.epoch || status.mode != owner_.mode) {
+    daemon_.log(LogLevel::kInfo, "owner {} on {}: {} {}", status.pid, text_view(status.host),
+                mode_name(status.mode), text_view(status.text));
+  }
+  if (status.header.epoch != mirror_.owner_epoch()) sensors_heard_ = -1;
+  said_lost_ = false;
+  owner_ = status;
+  owner_heard_ = clock_.now_ns();
+  mirror_.on_owner(status);
+}
+
+bool MirrorService::lately(std::int64_t heard, std::int64_t now) const noexcept {
+  return heard >= 0 && now - heard < kPatience;
+}
+
+/// What it waits for.
+void MirrorService::explain(status_t& status, std::int64_t now) const noexcept {
+  if (!lately(owner_heard_, now)) {
+    set_text(status.text, "no owner is heard: start gyrotwin-integrator with the same rig file");
+  } else if (!lately(sensors_heard_, now)) {
+    set_text(status.text, "owner {} on {:.24} sends no SENSORS: has its rig file [sensors]?",
+             owner_.pid, text_view(owner_.host));
+  } else {
+    set_text(status.text, "settling: the owner is {}", mode_name(owner_.mode));
+  }
+}
+
+void MirrorService::report(std::int64_t now) noexcept {
+  if (now >= window_due_) {
+    follow_.roll();
+    step_.roll();
+    window_due_ = now + kSecond;
+  }
+  if (now < status_due_) return;
+  status_due_ = now + kStatusPeriod;
+
+  status_t status{};
+  status.service = status_t::MIRROR;
+  const bool active = told_ >= 0 && now - told_ < kActive;
+  status.mode = status_t::MODE_WAITING;
+  if (active) status.mode = status_t::MODE_ACTIVE;
+  if (!active) explain(status, now);
+  if (!lately(owner_heard_, now)) {
+    if (!said_lost_) daemon_.log(LogLevel::kWarning, "the owner is silent");
+    said_lost_ = true;
+  }
+  fill_process(status, identity_, bus_.counters());
+  status.compute_p50_ns = follow_.p50();
+  status.compute_p99_ns = follow_.p99();
+  status.compute_max_ns = follow_.max();
+  bus_.send(Channel::kMirrorStatus, status,
+            {epoch_, ++status_sequence_, owner_.header.tick, owner_.header.sim_time_ns});
+}
+
+}  // namespace gyrotwin

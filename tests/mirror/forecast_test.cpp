@@ -1,0 +1,110 @@
+// Forecasts: courses against the plant, and in short what forecast_figures does at length.
+#include "services/mirror/forecast.hpp"
+
+#include <gtest/gtest.h>
+
+#include "services/integrator/plant.hpp"
+#include "tests/mirror/falls.hpp"
+
+namespace gyrotwin {
+namespace {
+
+using support::Fate;
+using support::Trouble;
+
+/// The owner's plant under the law, sampled; from a push at rest.
+double plant_peak(const Rig& rig, double push_nms, double seconds) {
+  const model::Machine machine = rig.build_machine();
+  Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps});
+  SampledLaw law(rig, machine);
+  plant.set_state(rig.initial_state(machine));
+  law.reset(machine.observe(plant.state()));
+  double peak = 0.0;
+  const double tick = rig.loop.tick_s();
+  for (double t = 0.0; t < seconds; t += tick) {
+    model::Input input;
+    input.drive = law.step(machine.observe(plant.state()));
+    // As the course has it: a moment that fades.
+    input.moment.x() = push_nms / 0.02 * std::exp(-(t + 0.5 * tick) / 0.02);
+    if (!plant.advance(input)) return HUGE_VAL;
+    peak = std::max(peak, machine.tilt(plant.state()));
+  }
+  return peak;
+}
+
+class CourseOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(CourseOf, TheReferencePushIsThePlants) {
+  const Rig rig = load_rig(GetParam());
+  const model::Machine machine = rig.build_machine();
+  const std::unique_ptr<Law> law = make_law(rig);
+  Outset outset;
+  outset.state = rig.initial_state(machine);
+  outset.memory = law->start(machine.observe(outset.state));
+  outset.fade_s = 0.02;
+  outset.fading_moment.x() = rig.reference_impulse_nms / outset.fade_s;
+  Course course(rig, 2.0, coarsest_step(rig));
+  course.begin(outset);
+  while (course.advance()) {
+  }
+  EXPECT_FALSE(course.outcome().falls());
+  EXPECT_NEAR(course.outcome().peak_tilt, plant_peak(rig, rig.reference_impulse_nms, 2.0), 0.012);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, CourseOf,
+                         testing::Values("prototype_a", "prototype_b", "prototype_b_sleeping",
+                                         "double_brennan", "gyrocar", "brennan_monorail"),
+                         [](const auto& test) { return std::string(test.param); });
+
+const Trouble& trouble(std::string_view name, std::string_view rig) {
+  for (const Trouble& one : support::troubles()) {
+    if (one.name == name && one.rig == rig) return one;
+  }
+  throw std::out_of_range("no such trouble");
+}
+
+TEST(Forecast, FallsAreForecastAheadAndStandingRigsNever) {
+  int falls = 0, ahead = 0, stands = 0, in_vain = 0;
+  for (const auto& [name, rig] :
+       {std::pair{"step", "double_brennan"}, std::pair{"controller killed", "double_brennan"},
+        std::pair{"push", "brennan_monorail"}}) {
+    for (std::uint64_t seed = 5000; seed < 5006; ++seed) {
+      const Fate run = support::run_trouble(trouble(name, rig), seed);
+      if (run.fell_at < 0.0) {
+        ++stands;
+        in_vain += support::false_alarm(run);
+      } else {
+        ++falls;
+        ahead += support::lead(run) >= 0.3;
+      }
+    }
+  }
+  EXPECT_GE(falls, 6);
+  EXPECT_GE(stands, 6);
+  EXPECT_GE(ahead, falls - 1);
+  EXPECT_EQ(in_vain, 0);
+}
+
+TEST(Forecast, ComesOftenEnoughAndIsYoung) {
+  support::MirroredLoop loop("prototype_b", {"loop.state=estimate"});
+  loop.hear();
+  ASSERT_EQ(loop.ask(request_t::ARM).result, reply_t::APPLIED);
+  loop.run_seconds(1.5);
+  int told = 0;
+  std::int64_t sequence = -1;
+  for (int k = 0; k < 1000; ++k) {
+    loop.tick();
+    if (!loop.forecast_told) continue;
+    ++told;
+    EXPECT_LE(loop.forecast.age_ns, 50'000'000);
+    if (sequence >= 0) {
+      EXPECT_EQ(loop.forecast.header.sequence, sequence + 1);
+    }
+    sequence = loop.forecast.header.sequence;
+    EXPECT_EQ(loop.forecast.law, 1);
+  }
+  EXPECT_GE(told, 20) << "in a second";
+}
+
+}  // namespace
+}  // namespace gyrotwin

@@ -1,0 +1,113 @@
+// A record once more: the bytes of the first time, and a difference where there is one.
+#include "clients/rerun/rerun.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/mirrored_loop.hpp"
+#include "tests/support/small_log.hpp"
+
+namespace gyrotwin {
+namespace {
+
+using support::MirroredLoop;
+
+class Recorder {
+ public:
+  explicit Recorder(const Rig& rig) : prefix_(rig.network.prefix) {
+    const About about{.program = "test",
+                      .host = "here",
+                      .rig = rig.name,
+                      .prefix = prefix_,
+                      .rig_id = rig.id,
+                      .key = "",
+                      .channels = channels_of(prefix_)};
+    log_ = opening_events(about, lcm_sources(), "", kTime);
+  }
+  template <class Message>
+  void keep(Channel channel, const Message& message) {
+    LogBytes payload(kWireSize<Message>);
+    message.encode(payload.data(), 0, static_cast<int>(payload.size()));
+    append_event(log_, {number_, kTime + 100 * number_,
+                        prefix_ + "/" + std::string(spec(channel).suffix), payload});
+    ++number_;
+  }
+  const LogBytes& log() const { return log_; }
+
+ private:
+  static constexpr std::int64_t kTime = 1'700'000'000'000'000;
+  std::string prefix_;
+  LogBytes log_;
+  std::int64_t number_ = 100;
+};
+
+/// Two seconds of a rig, as a recorder hears them.
+/// @param spoil the torque of one command
+LogBytes recorded(MirroredLoop& loop, bool spoil = false) {
+  Recorder recorder(loop.rig);
+  loop.hear();
+  loop.ask(request_t::ARM);
+  for (int k = 0; k < 1000; ++k) {
+    loop.hear();
+    status_t status{};
+    loop.integrator.fill(status);
+    status.header = loop.state.header;
+    recorder.keep(Channel::kIntegratorStatus, status);
+    recorder.keep(Channel::kState, loop.state);
+    recorder.keep(Channel::kSensors, loop.sensors);
+    if (loop.twin_told) recorder.keep(Channel::kTwinState, loop.twin);
+    if (loop.forecast_told) recorder.keep(Channel::kForecast, loop.forecast);
+    if (loop.commanded) {
+      command_t command = loop.command;
+      command.header = loop.state.header;
+      if (spoil && k == 700) command.value[1] += 0.25;
+      recorder.keep(Channel::kCommand, command);
+    }
+    loop.integrator.advance();
+  }
+  return recorder.log();
+}
+
+struct Made {
+  std::vector<std::string> messages;
+  Take take() {
+    return [this](Channel, std::span<const std::uint8_t> payload, std::int64_t) {
+      messages.emplace_back(payload.begin(), payload.end());
+    };
+  }
+};
+
+TEST(Rerun, TheMirrorMakesTheSameOfTheSameLog) {
+  MirroredLoop loop("double_brennan", {"loop.state=estimate"});
+  const LogBytes bytes = recorded(loop);
+  Made first, second;
+  Log log = support::open(bytes), again = support::open(bytes);
+  const Account account = rerun_mirror(log, loop.rig, first.take());
+  rerun_mirror(again, loop.rig, second.take());
+  EXPECT_EQ(first.messages, second.messages);
+  EXPECT_GT(account.compared, 400);
+  EXPECT_EQ(account.different, 0) << account.first_difference;
+}
+
+TEST(Rerun, TheControllerGivesTheRecordedCommands) {
+  MirroredLoop loop("double_brennan", {"loop.state=estimate"});
+  const LogBytes bytes = recorded(loop);
+  Log log = support::open(bytes);
+  const Account account = rerun_controller(log, loop.rig, RerunOn::kLive, {});
+  EXPECT_GE(account.compared, 999);
+  EXPECT_EQ(account.different, 0) << account.first_difference;
+}
+
+TEST(Rerun, TheFirstDifferenceIsNamed) {
+  MirroredLoop loop("double_brennan", {"loop.state=estimate"});
+  const LogBytes bytes = recorded(loop, true);
+  Log log = support::open(bytes);
+  const Account account = rerun_controller(log, loop.rig, RerunOn::kLive, {});
+  EXPECT_EQ(account.different, 1);
+  EXPECT_NE(account.first_difference.find("LIVE/COMMAND, sequence 701"), std::string::npos)
+      << account.first_difference;
+  EXPECT_NE(account.first_difference.find("\"value\""), std::string::npos)
+      << account.first_difference;
+}
+
+}  // namespace
+}  // namespace gyrotwin
