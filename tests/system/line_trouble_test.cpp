@@ -36,16 +36,16 @@ TEST_P(LineTrouble, EndsInASafeStopThatSaysWhy) {
   // Everybody is still there, and after the trouble it balances again.
   ASSERT_TRUE(lab.owner->running()) << lab.owner->output();
   ASSERT_TRUE(lab.emulator->running()) << lab.emulator->output();
+  for (int i = 0; i < 100 && lab.run("ctl", {"reset"}) != 0; ++i) {
+  }
   ASSERT_TRUE(lab.until(
       [](const Reception& reception) {
         if (reception.channel != Channel::kLink) return false;
         link_t link;
         Bus::decode(reception, link);
-        return link.connected != 0;
+        return link.connected != 0 && link.device_mode == status_t::MODE_HELD;
       },
       60.0));
-  for (int i = 0; i < 100 && lab.run("ctl", {"reset"}) != 0; ++i) {
-  }
   lab.balance_in_real_time();
 }
 
