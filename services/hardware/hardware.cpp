@@ -34,8 +34,9 @@ Hardware::Hardware(const Rig& rig, std::int64_t epoch)
   estimator_.forget();
 }
 
-void Hardware::entering(Event /*event*/, Mode to) noexcept {
+void Hardware::entering(Event event, Mode to) noexcept {
   beats_not_running_ = 0;
+  if (event == Event::kEstop) rotors_asked_.reset();
   if (to != Mode::kRunning) {
     command_.reset();
     asked_ = {};
@@ -43,15 +44,19 @@ void Hardware::entering(Event /*event*/, Mode to) noexcept {
 }
 
 bool Hardware::pressed() const noexcept {
-  return (sensors_.valid & sensors_t::VALID_ESTOP) && sensors_.estop != 0;
+  // A button that is no longer heard is not one that was released.
+  return has_estop_ && (!(sensors_.valid & sensors_t::VALID_ESTOP) || sensors_.estop != 0);
 }
 
 bool Hardware::on_command(const command_t& command) noexcept {
   if (!Owner::on_command(command)) return false;
   command_t limited_command = command;
+  std::fill(std::begin(limited_command.value), std::end(limited_command.value), 0.0);
   for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
     limited_command.value[i] = limited(static_cast<int>(i), command.mode, command.value[i]);
   }
+  // On the line a command is for the device's newest sample, and as old as the way to there.
+  limited_command.for_tick = device_tick_.value_or(0);
   limited_command.valid_ticks =
       static_cast<std::int32_t>(command.for_tick + command.valid_ticks - tick_);
   asked_.mode =
@@ -65,13 +70,15 @@ bool Hardware::on_command(const command_t& command) noexcept {
 /// Within the motor line and the rig's torque limit.
 double Hardware::limited(int drive, std::int32_t mode, double value) const noexcept {
   const model::Drive& d = machine_.drives[static_cast<std::size_t>(drive)];
-  if (mode == command_t::VOLTAGE_V) {
-    const double supply = d.motor ? d.motor->supply_voltage : 0.0;
-    return std::clamp(value, -supply, supply);
-  }
   const double rate = machine_.drive_rate(drive, machine_.recall(estimator_.seen()));
   const auto [low, high] = d.range(rate);
-  return std::clamp(value, low, high);
+  if (mode == command_t::TORQUE_NM) return std::clamp(value, low, high);
+  if (!d.motor) return 0.0;
+  const double supply = d.motor->supply_voltage;
+  const double voltage = std::clamp(value, -supply, supply);
+  const double torque = d.motor->torque(voltage, rate);
+  if (torque >= low && torque <= high) return voltage;
+  return d.motor->voltage(std::clamp(torque, low, high), rate);
 }
 
 std::optional<command_t> Hardware::take_command() noexcept {
@@ -81,21 +88,21 @@ std::optional<command_t> Hardware::take_command() noexcept {
 void Hardware::new_device(std::int64_t epoch) noexcept {
   if (device_epoch_ >= 0) enter(Event::kDeviceStopped, "the device has restarted; reset and arm");
   device_epoch_ = epoch;
-  device_tick_ = 0;
-  device_mode_ = status_t::MODE_HELD;
+  device_tick_.reset();
+  device_mode_.reset();
+  has_estop_ = false;
+  rotors_asked_.reset();
   estimator_.forget();
 }
 
 bool Hardware::on_sample(const sensors_t& sample) noexcept {
-  if (sample.header.epoch != device_epoch_) {
-    new_device(sample.header.epoch);
-    device_tick_ = sample.header.tick - 1;
-  }
-  const std::int64_t ticks_gone = sample.header.tick - device_tick_;
+  if (sample.header.epoch != device_epoch_) new_device(sample.header.epoch);
+  const std::int64_t ticks_gone = device_tick_ ? sample.header.tick - *device_tick_ : 1;
   if (ticks_gone <= 0) return false;
   device_tick_ = sample.header.tick;
   missed_ += ticks_gone - 1;
   sensors_ = sample;
+  has_estop_ = has_estop_ || (sample.valid & sensors_t::VALID_ESTOP);
   estimate(ticks_gone);
   if (ticks(mode())) tick_ += ticks_gone;
   judge();
@@ -133,9 +140,9 @@ void Hardware::on_beat(const beat_t& beat) noexcept {
   obeyed_ = beat.commands_obeyed;
   device_stops_ = beat.safe_stops;
   if (mode() != Mode::kRunning) return;
-  if (device_mode_ == status_t::MODE_SAFE_STOP) {
+  if (beat.mode == status_t::MODE_SAFE_STOP) {
     enter(Event::kDeviceStopped, "the device has stopped by itself; reset and arm");
-  } else if (device_mode_ == status_t::MODE_RUNNING) {
+  } else if (beat.mode == status_t::MODE_RUNNING) {
     beats_not_running_ = 0;
   } else if (++beats_not_running_ > kPatientBeats) {
     enter(Event::kDeviceStopped, "the device does not run; reset and arm");
@@ -188,7 +195,7 @@ void Hardware::fill(status_t& status) const noexcept {
 
 void Hardware::fill(link_t& link) const noexcept {
   link.connected = connected_ ? 1 : 0;
-  link.device_mode = device_mode_;
+  link.device_mode = device_mode_.value_or(-1);
   link.device_epoch = device_epoch_;
   link.samples_missed = missed_;
   link.commands_obeyed = obeyed_;

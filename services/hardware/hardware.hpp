@@ -29,9 +29,10 @@ class Hardware final : public Owner {
   void on_beat(const beat_t& beat) noexcept;
   /// The device's answer to a request that was forwarded. @return whether `reply` is due
   bool on_reply(const reply_t& answer, reply_t& reply) noexcept;
-  /// A tick period of wall time has gone by. @return whether `reply` is due: to a forwarded request
-  /// that the device has not answered in time
-  bool overdue(reply_t& reply) noexcept;
+  /// @param now wall time [ns]
+  /// @return whether `reply` is due: to a forwarded request that the device has not answered in
+  /// time
+  bool overdue(std::int64_t now, reply_t& reply) noexcept;
   /// The device is heard, or no longer.
   void set_connected(bool connected) noexcept { connected_ = connected; }
 
@@ -55,7 +56,7 @@ class Hardware final : public Owner {
   struct Pending {
     request_t request;
     bool sent = false;
-    int periods = 0;  // without an answer
+    std::int64_t due = 0;  // wall time by which it is answered; 0: to be set
   };
 
   void entering(Event event, Mode to) noexcept override;
@@ -81,13 +82,14 @@ class Hardware final : public Owner {
   std::optional<bool> rotors_asked_;  // in this run: power or none
 
   bool connected_ = false;
-  std::int32_t device_mode_ = status_t::MODE_HELD;
-  std::int64_t device_epoch_ = -1;
-  std::int64_t device_tick_ = 0;
-  std::int64_t missed_ = 0;        // samples
-  std::int64_t obeyed_ = 0;        // commands, by the device
-  std::int64_t device_stops_ = 0;  // safe stops that it entered by itself
-  int beats_not_running_ = 0;      // while the owner runs
+  std::optional<std::int32_t> device_mode_;  // as its last beat says
+  std::int64_t device_epoch_ = -1;           // -1: none was heard
+  std::optional<std::int64_t> device_tick_;  // of its newest sample
+  bool has_estop_ = false;                   // in this run of the device
+  std::int64_t missed_ = 0;                  // samples
+  std::int64_t obeyed_ = 0;                  // commands, by the device
+  std::int64_t device_stops_ = 0;            // safe stops that it entered by itself
+  int beats_not_running_ = 0;                // while the owner runs
 };
 
 }  // namespace gyrotwin

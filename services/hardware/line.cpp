@@ -41,6 +41,7 @@ int make_raw(int terminal, int baud) {
   if (::tcgetattr(terminal, &settings) != 0) return errno;
   ::cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB | HUPCL);
   settings.c_cc[VMIN] = 1;  // without bytes a read says EAGAIN; 0 would be what a hang-up says
   settings.c_cc[VTIME] = 0;
   if (baud != 0) {
@@ -79,6 +80,10 @@ bool Line::open() noexcept {
   if (error_ != 0) return false;
   terminal_ = std::move(terminal);
   ++opened_;
+  const std::int64_t good = decoder_.good, bad = decoder_.bad;
+  gyrotwin_decoder_init(&decoder_);
+  decoder_.good = good;
+  decoder_.bad = bad;
   read_ = taken_ = 0;
   first_ = waiting_ = gone_ = 0;
   return true;
@@ -130,21 +135,33 @@ std::span<const std::uint8_t> Line::receive() noexcept {
   }
 }
 
-void Line::queue(std::span<const std::uint8_t> payload) noexcept {
+/// The frame at that place among the waiting ones; not one that has begun to go out.
+void Line::drop(std::size_t place) noexcept {
+  for (std::size_t i = place; i + 1 < waiting_; ++i) {
+    outgoing_[(first_ + i) % kFrames] = outgoing_[(first_ + i + 1) % kFrames];
+  }
+  --waiting_;
+  ++dropped_;
+}
+
+void Line::drop_commands() noexcept {
+  for (std::size_t i = gone_ > 0 ? 1 : 0; i < waiting_;) {
+    if (outgoing_[(first_ + i) % kFrames].command) {
+      drop(i);
+    } else {
+      ++i;
+    }
+  }
+}
+
+void Line::queue(std::span<const std::uint8_t> payload, bool command) noexcept {
   if (!is_open()) {
     ++dropped_;
     return;
   }
-  if (waiting_ == kFrames) {
-    // The first one may be half out; the oldest whole one makes room.
-    const std::size_t oldest = gone_ > 0 ? 1 : 0;
-    for (std::size_t i = oldest; i + 1 < waiting_; ++i) {
-      outgoing_[(first_ + i) % kFrames] = outgoing_[(first_ + i + 1) % kFrames];
-    }
-    --waiting_;
-    ++dropped_;
-  }
+  if (waiting_ == kFrames) drop(gone_ > 0 ? 1 : 0);
   Frame& frame = outgoing_[(first_ + waiting_) % kFrames];
+  frame.command = command;
   frame.size =
       gyrotwin_frame_encode(payload.data(), payload.size(), frame.bytes.data(), frame.bytes.size());
   ++waiting_;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "messages/channels.hpp"
 #include "services/hardware/firmware/gyrotwin_frame.h"
@@ -65,8 +66,11 @@ class Line {
     std::memset(message.mac, 0, sizeof message.mac);
     std::array<std::uint8_t, kWireSize<Message>> payload;
     message.encode(payload.data(), 0, static_cast<int>(payload.size()));
-    queue(payload);
+    if constexpr (std::is_same_v<Message, command_t>) drop_commands();  // the newest counts
+    queue(payload, std::is_same_v<Message, command_t>);
   }
+  /// Commands that have not begun to go out never do.
+  void drop_commands() noexcept;
   /// Writes what waits, as far as the terminal takes it.
   void flush() noexcept;
 
@@ -76,12 +80,14 @@ class Line {
   struct Frame {
     std::array<std::uint8_t, GYROTWIN_FRAME_MAX> bytes;
     std::size_t size;
+    bool command;
   };
   static constexpr std::size_t kFrames = 32;
   static constexpr int kBurst = 65536;  // bytes
 
   static std::uint64_t type_of(std::span<const std::uint8_t> payload) noexcept;
-  void queue(std::span<const std::uint8_t> payload) noexcept;
+  void queue(std::span<const std::uint8_t> payload, bool command) noexcept;
+  void drop(std::size_t place) noexcept;
   bool refill() noexcept;
   void lose(int error) noexcept;
 

@@ -22,11 +22,12 @@ void LineClock::forget() noexcept {
 
 void LineClock::on_beat(const beat_t& beat, std::int64_t now_ns) noexcept {
   // Stamps come from outside: what cannot be is passed over.
-  if (beat.echo_ns <= echoed_ || beat.echo_ns > now_ns || beat.sent_ns < beat.heard_ns) return;
+  if (beat.echo_ns <= echoed_ || beat.echo_ns > now_ns) return;
+  if (beat.heard_ns < 0 || beat.sent_ns < beat.heard_ns) return;
   echoed_ = beat.echo_ns;
   const std::int64_t there_and_back = now_ns - beat.echo_ns;
   const std::int64_t at_device = beat.sent_ns - beat.heard_ns;
-  if (beat.heard_ns < 0 || at_device > there_and_back) return;
+  if (at_device > there_and_back) return;
   const std::int64_t round_trip = there_and_back - at_device;
   const std::int64_t middle_host = beat.echo_ns + there_and_back / 2;
   const std::int64_t middle_device = beat.heard_ns + at_device / 2;

@@ -9,8 +9,8 @@ namespace gyrotwin {
 
 namespace {
 
-// Tick periods that the device may take to answer.
-constexpr int kAnswerPeriods = 500;
+constexpr std::int64_t kAnswerIn = 500'000'000;  // that the device may take [ns]
+constexpr std::int64_t kLastTick = std::int64_t{1} << 53;
 
 }  // namespace
 
@@ -48,12 +48,16 @@ bool Hardware::arm(const request_t& request, const Surroundings& surroundings,
   if (mode() == Mode::kHeld) {
     if (!connected_) return refuse(reply, "the device is not heard: check cable and power");
     if (pressed()) return refuse(reply, "the E-stop is pressed; release it first");
-    if (device_mode_ != status_t::MODE_HELD) {
+    if (!device_mode_) return refuse(reply, "the device has not told its mode yet; arm again");
+    if (*device_mode_ != status_t::MODE_HELD) {
       return refuse(reply, "the device is still in {}; wait a moment, then arm again",
-                    mode_name(device_mode_));
+                    mode_name(*device_mode_));
     }
     if (machine_.layout.tilts() > 0 && !(estimator_.valid() & state_t::VALID_TILT)) {
       return refuse(reply, "the tilt is not known: gyro and accelerometer are silent");
+    }
+    if (machine_.tilt(machine_.recall(estimator_.seen())) > rig_.safety.fall_tilt_rad) {
+      return refuse(reply, "the tilt is beyond safety.fall_tilt_rad; prop the platform upright");
     }
   }
   return change_mode(request, surroundings, reply);
@@ -65,6 +69,7 @@ bool Hardware::reset(const request_t& request, std::int64_t fresh_epoch, reply_t
   }
   if (pressed()) return refuse(reply, "the E-stop is pressed; release it first");
   begin_run(fresh_epoch);
+  estimator_.forget();  // where it lay says nothing of where it is propped
   rotors_asked_.reset();
   pending_.fill(std::nullopt);
   reply.applied_tick = 0;
@@ -80,6 +85,9 @@ bool Hardware::set_rotors(const request_t& request, reply_t& reply) noexcept {
     return refuse(reply, "kind of ROTORS must be SPIN_UP or SPIN_DOWN");
   }
   if (!connected_) return refuse(reply, "the device is not heard: check cable and power");
+  if (pressed() && request.kind == request_t::SPIN_UP) {
+    return refuse(reply, "the E-stop is pressed; release it first");
+  }
   rotors_asked_ = request.kind == request_t::SPIN_UP;
   set_text(reply.text, "the device is asked to {} its rotors",
            *rotors_asked_ ? "power" : "cut the power of");
@@ -101,8 +109,9 @@ bool Hardware::forward(const request_t& request, reply_t& reply) noexcept {
   if (acts && mode() == Mode::kHeld) return refuse(reply, "HELD: the plant is held; ctl arm first");
   const auto free = std::find(pending_.begin(), pending_.end(), std::nullopt);
   if (free == pending_.end()) return refuse(reply, "the device has not answered the last requests");
+  if (request.start_tick > kLastTick) return refuse(reply, "start_tick is beyond all ticks");
   request_t& forwarded = free->emplace().request = request;
-  if (request.start_tick > 0) forwarded.start_tick += device_tick_ - tick_;
+  if (request.start_tick > 0) forwarded.start_tick += device_tick_.value_or(0) - tick_;
   return true;
 }
 
@@ -123,7 +132,8 @@ bool Hardware::on_reply(const reply_t& answer, reply_t& reply) noexcept {
     }
     reply = answer;
     reply.verb = pending->request.verb;
-    reply.applied_tick -= device_tick_ - tick_;
+    reply.applied_tick = std::clamp<std::int64_t>(answer.applied_tick, 0, kLastTick) -
+                         device_tick_.value_or(0) + tick_;
     if (reply.result != reply_t::APPLIED) {
       reply.result = reply_t::REFUSED;
     } else if (reply.id > 0) {  // the device counts other ticks than the owner
@@ -136,9 +146,11 @@ bool Hardware::on_reply(const reply_t& answer, reply_t& reply) noexcept {
   return false;
 }
 
-bool Hardware::overdue(reply_t& reply) noexcept {
+bool Hardware::overdue(std::int64_t now, reply_t& reply) noexcept {
   for (std::optional<Pending>& pending : pending_) {
-    if (!pending || ++pending->periods < kAnswerPeriods) continue;
+    if (!pending) continue;
+    if (pending->due == 0) pending->due = now + kAnswerIn;
+    if (now < pending->due) continue;
     reply = {};
     reply.request_writer = pending->request.writer;
     reply.request_counter = pending->request.counter;

@@ -18,6 +18,15 @@ constexpr std::int64_t kStatusPeriod = kSecond / 10;
 constexpr std::int64_t kBeatPeriod = kSecond / 100;
 constexpr std::int64_t kReopen = kSecond / 2;
 constexpr std::int64_t kHeardLately = kSecond;
+constexpr std::int64_t kBeatPatience = kSecond / 10;
+
+/// What a device of this rig may say: stamps are sums and differences later.
+bool plausible(const header_t& header, const Rig& rig, std::int64_t own_epoch) {
+  constexpr std::int64_t kLast = std::int64_t{1} << 60;
+  const auto counts = [](std::int64_t x) { return x >= 0 && x < kLast; };
+  return header.rig_id == rig.id && header.epoch >= 0 && header.epoch != own_epoch &&
+         counts(header.tick) && counts(header.sim_time_ns);
+}
 
 }  // namespace
 
@@ -32,7 +41,6 @@ HardwareService::HardwareService(const Rig& rig, Line& line, Bus& bus, Clock& cl
       followed_epoch_(hardware_.epoch()) {}
 
 void HardwareService::run() noexcept {
-  period_due_ = clock_.now_ns();
   while (!daemon_.stopping()) {
     const std::int64_t now = clock_.now_ns();
     listen(now);
@@ -87,15 +95,18 @@ void HardwareService::on_request(const request_t& request, std::int64_t now) noe
 
 void HardwareService::hear_device(std::int64_t now) noexcept {
   for (auto payload = line_.receive(); !payload.empty(); payload = line_.receive()) {
-    if (sensors_t sample; Line::decode(payload, sample)) {
+    const auto heard = [&](auto& message) {
+      return Line::decode(payload, message) && plausible(message.header, rig_, hardware_.epoch());
+    };
+    if (sensors_t sample; heard(sample)) {
       on_sample(sample, now);
-    } else if (beat_t beat; Line::decode(payload, beat)) {
+    } else if (beat_t beat; heard(beat)) {
       if (beat.header.epoch != last_beat_.header.epoch) line_clock_.forget();
       last_beat_ = beat;
       last_beat_at_ = now;
       line_clock_.on_beat(beat, now);
       hardware_.on_beat(beat);
-    } else if (reply_t answer, reply; Line::decode(payload, answer)) {
+    } else if (reply_t answer, reply; heard(answer)) {
       if (hardware_.on_reply(answer, reply)) desk_.answer(reply);
     } else {
       line_.reject();
@@ -145,10 +156,11 @@ void HardwareService::keep_time(std::int64_t now) noexcept {
   if (sample_at_ >= 0 && now - sample_at_ >= patience) {
     hardware_.notice(Event::kDeviceLost, "no sensors in time: check cable, power and firmware");
   }
-  for (; period_due_ <= now; period_due_ += rig_.loop.tick_ns()) {
-    reply_t reply;
-    if (hardware_.overdue(reply)) desk_.answer(reply);
+  if (last_beat_at_ > 0 && now - last_beat_at_ >= kBeatPatience) {
+    hardware_.notice(Event::kDeviceLost, "no beats in time: check the device's firmware");
   }
+  reply_t reply;
+  if (hardware_.overdue(now, reply)) desk_.answer(reply);
 }
 
 void HardwareService::send_beat(std::int64_t now) noexcept {
@@ -193,6 +205,7 @@ void HardwareService::follow_mode(std::int64_t now) noexcept {
   if (mode == followed_mode_ && hardware_.epoch() == followed_epoch_) return;
   followed_mode_ = mode;
   followed_epoch_ = hardware_.epoch();
+  if (mode != Mode::kRunning) line_.drop_commands();  // what waits must not act after the beat
   send_beat(now);
   publish_status(now);
   daemon_.log(mode == Mode::kFault ? LogLevel::kError : LogLevel::kInfo, "{} at tick {}{}{}",

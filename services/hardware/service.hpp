@@ -56,7 +56,7 @@ class HardwareService {
   bool was_connected_ = false;        // at the last look
   bool said_closed_ = false;          // the line's last failure is in the log
   std::int64_t open_due_ = 0;         // wall time
-  std::int64_t beat_due_ = 0, status_due_ = 0, window_due_ = 0, period_due_ = 0;
+  std::int64_t beat_due_ = 0, status_due_ = 0, window_due_ = 0;
   std::int64_t link_sequence_ = 0;
   std::int64_t beats_ = 0;
 };

@@ -30,6 +30,7 @@ Mirror::Mirror(const Rig& rig, const ForecastSettings& forecast)
 void Mirror::begin_run(std::int64_t epoch) noexcept {
   epoch_ = epoch;
   gate_.reset(epoch);
+  early_count_ = 0;
   health_.reset();
   forecast_.reset();
   mode_before_ = status_t::MODE_HELD;
@@ -49,7 +50,19 @@ void Mirror::on_state(const state_t& state) noexcept {
 }
 
 void Mirror::on_command(const command_t& command) noexcept {
-  gate_.offer(command, sensors_.header.tick);
+  if (command.for_tick > sensors_.header.tick) {
+    early_[early_count_++ % early_.size()] = command;
+  } else {
+    gate_.offer(command, sensors_.header.tick);
+  }
+}
+
+/// A controller that answers STATE at once may be heard before the SENSORS of that tick.
+void Mirror::offer_early(std::int64_t tick) noexcept {
+  for (std::size_t i = 0; i < std::min(early_count_, early_.size()); ++i) {
+    if (early_[i].for_tick <= tick) gate_.offer(early_[i], tick);
+  }
+  early_count_ = 0;
 }
 
 /// A fall, a fault or a pause ends a tick; any other end of RUNNING came before it.
@@ -117,6 +130,7 @@ bool Mirror::on_sensors(const sensors_t& sensors) noexcept {
     health_due_ = now.tick / health_period_ != before.tick / health_period_;
   }
   sensors_ = sensors;
+  offer_early(now.tick);
   mode_before_ = mode_;
   return follows();
 }

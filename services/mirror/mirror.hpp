@@ -56,6 +56,7 @@ class Mirror {
   const Estimate& estimate() const noexcept { return follower_.estimate(); }
 
  private:
+  void offer_early(std::int64_t tick) noexcept;
   bool runs_over_last_tick() const noexcept;
   model::Input acted(std::int64_t tick) noexcept;
   void begin_run(std::int64_t epoch) noexcept;
@@ -65,6 +66,8 @@ class Mirror {
   const Rig& rig_;
   model::Machine machine_;
   CommandGate gate_;
+  std::array<command_t, 2> early_{};  // for ticks whose SENSORS are still to come
+  std::size_t early_count_ = 0;
   SafeStop safe_stop_;
   std::array<double, model::kMaxDrives> lightness_;  // of what the drives turn [1 / (kg m^2)]
   Follower follower_;

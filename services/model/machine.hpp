@@ -78,6 +78,11 @@ struct Motor {
     const double k = torque_constant * gear_ratio;
     return k * (voltage - k * rate) / resistance;
   }
+  /// The voltage [V] that makes that torque [N m] at that output speed [rad/s].
+  double voltage(double torque, double rate) const noexcept {
+    const double k = torque_constant * gear_ratio;
+    return torque * resistance / k + k * rate;
+  }
 };
 
 /// A torque that the machine can be commanded: on the disc about z_D with its reaction on the

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "messages/channels.hpp"
 #include "services/model/machine.hpp"
@@ -19,12 +20,13 @@ inline std::array<double, model::kMaxDrives> drive_torques(const model::Machine&
   const model::State state = machine.recall(seen);
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {
     const model::Drive& drive = machine.drives[i];
-    if (drive.motor && (sensors.valid & sensors_t::VALID_CURRENTS)) {
+    if (drive.motor && (sensors.valid & sensors_t::VALID_CURRENTS) &&
+        std::isfinite(sensors.drive_current_a[i])) {
       torque[i] =
           drive.motor->torque_constant * drive.motor->gear_ratio * sensors.drive_current_a[i];
     } else {
-      torque[i] = drive.torque(asked.mode, asked.drive[i],
-                               machine.drive_rate(static_cast<int>(i), state));
+      torque[i] =
+          drive.torque(asked.mode, asked.drive[i], machine.drive_rate(static_cast<int>(i), state));
     }
   }
   return torque;

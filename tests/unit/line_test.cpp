@@ -139,9 +139,9 @@ TEST(Line, APeerThatStopsReadingCostsTheOldestFrames) {
   ASSERT_TRUE(line.open());
   constexpr int kSent = 2000;
   for (int i = 0; i < kSent; ++i) {
-    command_t command{};
-    command.counter = i;
-    line.send(command);
+    beat_t beat{};
+    beat.sent_ns = i;
+    line.send(beat);
   }
   EXPECT_TRUE(line.pending());
   const std::int64_t dropped = line.counters().dropped;
@@ -154,9 +154,9 @@ TEST(Line, APeerThatStopsReadingCostsTheOldestFrames) {
     line.flush();
     for (const std::uint8_t byte : peer.read()) {
       if (const std::size_t size = gyrotwin_decoder_take(&decoder, byte)) {
-        command_t command;
-        ASSERT_TRUE(Line::decode({decoder.bytes, size}, command));
-        counters.push_back(command.counter);
+        beat_t beat;
+        ASSERT_TRUE(Line::decode({decoder.bytes, size}, beat));
+        counters.push_back(beat.sent_ns);
       }
     }
   }
@@ -165,6 +165,42 @@ TEST(Line, APeerThatStopsReadingCostsTheOldestFrames) {
   ASSERT_FALSE(counters.empty());
   EXPECT_EQ(counters.back(), kSent - 1);
   EXPECT_EQ(static_cast<std::int64_t>(counters.size()) + dropped, kSent);
+}
+
+/// A line that is too slow: of the commands that wait the newest alone goes out, and none after the
+/// word to stop.
+TEST(Line, OldCommandsDoNotWait) {
+  for (const bool stops : {false, true}) {
+    Peer peer;
+    Line line(peer.path(), 0);
+    ASSERT_TRUE(line.open());
+    beat_t beat{};
+    while (!line.pending()) line.send(beat);  // the terminal takes no more
+    for (int i = 0; i < 10; ++i) {
+      command_t command{};
+      command.counter = i;
+      line.send(command);
+    }
+    if (stops) {
+      line.drop_commands();
+      line.send(beat);
+    }
+    gyrotwin_decoder decoder;
+    gyrotwin_decoder_init(&decoder);
+    std::vector<std::int64_t> commands;
+    for (int round = 0; round < 20; ++round) {
+      line.flush();
+      for (const std::uint8_t byte : peer.read()) {
+        command_t command;
+        const std::size_t size = gyrotwin_decoder_take(&decoder, byte);
+        if (size > 0 && Line::decode({decoder.bytes, size}, command)) {
+          commands.push_back(command.counter);
+        }
+      }
+    }
+    EXPECT_EQ(commands, stops ? std::vector<std::int64_t>{} : std::vector<std::int64_t>{9});
+    EXPECT_EQ(decoder.bad, 0);
+  }
 }
 
 TEST(Line, APulledCableIsNoticedAndTheLineOpensAgain) {
