@@ -112,7 +112,7 @@ void stop_rotors(Asker& asker, const Rig& rig, const std::function<bool()>& go_o
     if (1e-9 * static_cast<double>(asker.now_ns() - begin) > kLongestSpinDown) {
       throw NotDone("the rotors do not come to rest");
     }
-    bool at_rest = true;
+    bool at_rest = (state.valid & state_t::VALID_ROTORS) != 0;  // unknown is not at rest
     for (int j = 0; j < machine.rotors; ++j) {
       const double nominal = machine.nominal_rotor_speed[static_cast<std::size_t>(j)];
       at_rest &= std::abs(state.rotor_speed_rad_s[j]) <= kAtRest * std::abs(nominal);

@@ -52,6 +52,8 @@ Recorder::Recorder(const std::string& file, const std::vector<std::string>& rig_
     require_running();
     std::this_thread::sleep_for(kLook);
   }
+  ::kill(process_, SIGKILL);
+  wait(true);
   throw NotDone(file + ": the recorder does not begin");
 }
 
@@ -79,6 +81,7 @@ void Recorder::require_running() {
 }
 
 void Recorder::stop() {
+  if (process_ <= 0) throw NotDone("the recorder has ended");
   ::kill(process_, SIGINT);
   if (wait(true) != 0) throw NotDone("the record is not whole");
 }
