@@ -33,27 +33,40 @@ std::vector<std::string> fields(const LcmType& type, const Comparison::Payload& 
 
 }  // namespace
 
-void Comparison::keep(std::map<Key, Payload>& of, const Key& key, const Payload& payload) {
-  of[key] = payload;
-  if (of.size() > kPatience) of.erase(of.begin());
+void Comparison::Waiting::keep(const Key& key, const Payload& payload) {
+  if (const auto repeated = place_.find(key); repeated != place_.end()) {
+    order_.erase(repeated->second);
+    place_.erase(repeated);
+  }
+  place_.emplace(key, order_.emplace(order_.end(), key, payload));
+  if (order_.size() <= kPatience) return;
+  place_.erase(order_.front().first);
+  order_.pop_front();
+}
+
+bool Comparison::Waiting::take(const Key& key, Payload& payload) {
+  const auto found = place_.find(key);
+  if (found == place_.end()) return false;
+  payload = std::move(found->second->second);
+  order_.erase(found->second);
+  place_.erase(found);
+  return true;
 }
 
 void Comparison::made(Channel channel, std::int64_t epoch, std::int64_t sequence,
                       const Payload& payload) {
   const Key key{channel, epoch, sequence};
-  const auto found = recorded_.find(key);
-  if (found == recorded_.end()) return keep(made_, key, payload);
-  compare(key, found->second, payload);
-  recorded_.erase(found);
+  Payload counterpart;
+  if (!recorded_.take(key, counterpart)) return made_.keep(key, payload);
+  compare(key, counterpart, payload);
 }
 
 void Comparison::recorded(Channel channel, std::int64_t epoch, std::int64_t sequence,
                           const Payload& payload) {
   const Key key{channel, epoch, sequence};
-  const auto found = made_.find(key);
-  if (found == made_.end()) return keep(recorded_, key, payload);
-  compare(key, payload, found->second);
-  made_.erase(found);
+  Payload counterpart;
+  if (!made_.take(key, counterpart)) return recorded_.keep(key, payload);
+  compare(key, payload, counterpart);
 }
 
 void Comparison::compare(const Key& key, const Payload& recorded, const Payload& made) {

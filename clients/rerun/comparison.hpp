@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "clients/log/log.hpp"
@@ -28,10 +30,23 @@ class Comparison {
 
  private:
   using Key = std::tuple<Channel, std::int64_t, std::int64_t>;
-  static void keep(std::map<Key, Payload>& of, const Key& key, const Payload& payload);
+
+  /// Messages without their counterparts; where there are too many, the first that came goes.
+  class Waiting {
+   public:
+    void keep(const Key& key, const Payload& payload);
+    /// @return whether it was there
+    bool take(const Key& key, Payload& payload);
+
+   private:
+    using Order = std::list<std::pair<Key, Payload>>;
+    Order order_;  // of arrival
+    std::map<Key, Order::iterator> place_;
+  };
+
   void compare(const Key& key, const Payload& recorded, const Payload& made);
 
-  std::map<Key, Payload> made_, recorded_;  // still without their counterparts
+  Waiting made_, recorded_;
   std::int64_t compared_ = 0, different_ = 0;
   std::string first_difference_;
 };

@@ -83,7 +83,8 @@ int run(const Options& options, bool mirror) {
               rig.name.c_str(), static_cast<long long>(account.heard),
               static_cast<long long>(account.made), static_cast<long long>(account.compared),
               static_cast<long long>(account.different));
-  if (account.made == 0) throw NotDone(options.file + ": nothing came of it");
+  const std::string trouble = in_vain(account);
+  if (!trouble.empty()) throw NotDone(options.file + ": " + trouble);
   if (account.different == 0) return kDone;
   std::printf("first: %s\n", account.first_difference.c_str());
   return kNotDone;
@@ -99,7 +100,8 @@ int main(int argc, char** argv) {
       "bytes. What they make is compared with what was recorded of them.",
       "gyrotwin-rerun");
   app.footer(
-      "Exit code 0: nothing differs; 1: something does, or nothing came of it; 2: asked wrongly.\n"
+      "Exit code 0: nothing differs; 1: something does, nothing came of it, or the record has "
+      "counterparts and none could be compared; 2: asked wrongly.\n"
       "Examples:\n"
       "  gyrotwin rerun mirror run.lcm --output twin.lcm\n"
       "  gyrotwin rerun controller run.lcm");

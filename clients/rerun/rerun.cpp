@@ -1,5 +1,7 @@
 #include "clients/rerun/rerun.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <optional>
 
@@ -83,6 +85,7 @@ class Booking {
   }
   template <class Message>
   void recorded(Channel channel, const Message& message, std::int64_t epoch) {
+    ++account_.recorded;
     comparison_.recorded(channel, epoch, message.header.sequence, comparable(message));
   }
   void heard() { ++account_.heard; }
@@ -123,6 +126,15 @@ void feed(Mirror& mirror, const sensors_t& sensors, std::int64_t us, Booking& bo
 }
 
 }  // namespace
+
+std::string in_vain(const Account& account) {
+  if (account.made == 0) return "nothing came of it";
+  if (account.recorded == 0 || account.compared > 0) return {};
+  return fmt::format(
+      "none of the {} recorded messages is a counterpart of one of the {} made, so nothing was "
+      "compared: run or sequence differ",
+      account.recorded, account.made);
+}
 
 Rig rig_of(Log& log, const std::string& name, const std::vector<std::string>& overrides) {
   while (log.catalog().rig_file().empty()) {

@@ -21,10 +21,14 @@ using Take =
 struct Account {
   std::int64_t heard = 0;  ///< messages of the record that the core took in
   std::int64_t made = 0;
-  std::int64_t compared = 0;     ///< with one of the record
-  std::int64_t different = 0;    ///< of these
-  std::string first_difference;  ///< empty: none
+  std::int64_t recorded = 0;       ///< messages of the record that it may be compared with
+  std::int64_t compared = 0;       ///< with one of the record
+  std::int64_t different = 0;      ///< of these
+  std::string first_difference{};  ///< empty: none
 };
+
+/// Why it says nothing of the record; empty: it does.
+std::string in_vain(const Account& account);
 
 /// The rig file that a log carries.
 /// @param overrides as of load_rig()

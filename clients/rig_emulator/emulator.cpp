@@ -150,9 +150,16 @@ void Emulator::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns)
   }
 }
 
+/// The operator props it up before the host says HELD; firmware that starts anew under way is HELD
+/// with nobody near.
+bool Emulator::propped() const noexcept {
+  return device_.mode == GYROTWIN_HELD && (device_.was_held || !let_go_);
+}
+
 void Emulator::tick(std::int64_t now_ns) noexcept {
   now_ = now_ns;
-  plant_.advance(device_.mode == GYROTWIN_HELD, drives_);
+  let_go_ = let_go_ || device_.mode != GYROTWIN_HELD;
+  plant_.advance(propped(), drives_);
   follow_troubles();
   gyrotwin_device_sample(&device_);
 }
@@ -189,8 +196,7 @@ void Emulator::act(const request_t& request, reply_t& reply) noexcept {
     set_text(reply.text, "{} disturbances and {} faults ended", plant_.schedule().disturbances(),
              plant_.schedule().faults());
     plant_.schedule().clear();
-  } else if (request.verb == request_t::DISTURB && device_.mode == GYROTWIN_HELD &&
-             request.start_tick <= 0) {
+  } else if (request.verb == request_t::DISTURB && propped() && request.start_tick <= 0) {
     refuse(reply, "HELD: the plant is propped up; arm first, or name a start tick");
   } else {
     request_t scheduled = request;

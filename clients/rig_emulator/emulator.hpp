@@ -59,6 +59,7 @@ class Emulator {
   gyrotwin_board board() noexcept;
   void start(std::int64_t epoch) noexcept;
   void follow_troubles() noexcept;
+  bool propped() const noexcept;
   std::size_t write(const std::uint8_t* bytes, std::size_t size) noexcept;
   void answer(const gyrotwin_request& request, gyrotwin_reply& reply) noexcept;
   void act(const request_t& request, reply_t& reply) noexcept;
@@ -71,6 +72,7 @@ class Emulator {
   std::vector<std::uint8_t> arrived_;   // scratch
   bool deaf_ = false;
   bool estop_ = false;
+  bool let_go_ = false;  // the plant, since the start
   std::int64_t restarts_ = 0;
 
   std::int64_t now_;       // device's clock

@@ -257,8 +257,11 @@ void Follower::Core::hear_rotors(const sensors_t& sensors) noexcept {
 
 void Follower::Core::step(const sensors_t& sensors, const model::Input& input) noexcept {
   const int delay = rig.sensors->delay_ticks;
-  const std::int64_t missing =
-      std::clamp<std::int64_t>(sensors.header.tick - last_tick - 1, 0, kLongestGap);
+  const std::int64_t missing = std::max<std::int64_t>(sensors.header.tick - last_tick - 1, 0);
+  if (missing > kLongestGap) {
+    start(sensors);
+    return;
+  }
   last_tick = sensors.header.tick;
   for (std::int64_t k = 0; k <= missing; ++k) {
     acting[++steps % acting.size()] = input;

@@ -15,6 +15,12 @@ std::int64_t nanoseconds(double seconds) {
   return seconds < 0.0 ? -1 : std::llround(1e9 * seconds);
 }
 
+/// Counts what went into a ring. From `size` on only its place is kept, modulo `size`: the count
+/// never overflows.
+void count_up(int& count, int size) noexcept {
+  if (++count == 2 * size) count = size;
+}
+
 }  // namespace
 
 Forecast::Forecast(const Rig& rig, const model::Machine& machine, const ForecastSettings& settings)
@@ -45,6 +51,7 @@ Forecast::Forecast(const Rig& rig, const model::Machine& machine, const Forecast
 void Forecast::reset() noexcept {
   lawful_ = busy_ = false;
   moments_known_ = 0;
+  remembered_tick_ = 0;
   falls_in_row_ = shares_ = 0;
 }
 
@@ -68,12 +75,14 @@ Eigen::Vector2d Forecast::lasting_moment() const noexcept {
 void Forecast::remember(const Estimate& estimate, const header_t& at, bool lawful) noexcept {
   const double tick = rig_.loop.tick_s();
   if (at.tick / moment_period_ != remembered_tick_ / moment_period_) {
-    moments_[moments_known_++ % kMoments] = estimate.external_moment;
+    moments_[moments_known_ % kMoments] = estimate.external_moment;
+    count_up(moments_known_, kMoments);
   }
   remembered_tick_ = at.tick;
   if (!law_) return;
   const model::Observation seen = machine_.observe(estimate.state);
-  if (!lawful) {
+  // A law that begins to act, in another run as well, remembers nothing.
+  if (!lawful || !lawful_) {
     memory_ = law_->start(seen);
   } else if (law_->states() > 0) {
     const DriveTorques wanted = law_->torque(seen, memory_);
@@ -127,6 +136,13 @@ void Forecast::begin(const Follower& follower, const header_t& at,
   }
   started_ = 1;
   course_.begin(outset_);
+  // Beyond the limit from the start on: there is nothing to advance.
+  if (course_.over()) keep_mean();
+}
+
+void Forecast::keep_mean() noexcept {
+  outcome_ = course_.outcome();
+  mean_known_ = true;
 }
 
 void Forecast::begin_start(int index) noexcept {
@@ -145,10 +161,10 @@ void Forecast::work() noexcept {
     }
     if (course_.advance()) continue;
     if (started_ == 1) {
-      outcome_ = course_.outcome();
-      mean_known_ = true;
+      keep_mean();
     } else {
-      share_[shares_++ % kShare] = course_.outcome().falls();
+      share_[shares_ % kShare] = course_.outcome().falls();
+      count_up(shares_, kShare);
     }
   }
 }
@@ -160,7 +176,7 @@ double Forecast::share() const noexcept {
 }
 
 void Forecast::conclude(const header_t& now) noexcept {
-  falls_in_row_ = outcome_.falls() ? falls_in_row_ + 1 : 0;
+  falls_in_row_ = outcome_.falls() ? std::min(falls_in_row_ + 1, settings_.confirm) : 0;
   const bool falls = falls_in_row_ >= settings_.confirm;
   forecast_ = {};
   forecast_.header = at_;

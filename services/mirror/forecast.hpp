@@ -57,6 +57,7 @@ class Forecast {
   void begin(const Follower& follower, const header_t& at,
              const model::State* stopped_from) noexcept;
   void begin_start(int index) noexcept;
+  void keep_mean() noexcept;
   void work() noexcept;
   void conclude(const header_t& now) noexcept;
   double share() const noexcept;
@@ -77,7 +78,7 @@ class Forecast {
   static constexpr int kMoments = 16;                // over the time after which a moment lasts
   std::int64_t moment_period_;                       // from one of them to the next [tick]
   std::array<Eigen::Vector2d, kMoments> moments_{};  // a ring
-  int moments_known_ = 0;
+  int moments_known_ = 0;                            // modulo its size once it is full
   std::int64_t remembered_tick_ = 0;
 
   // The forecast that is worked on.
@@ -92,7 +93,7 @@ class Forecast {
   bool mean_known_ = false;
   int falls_in_row_ = 0;
   std::array<bool, kShare> share_{};  // a ring
-  int shares_ = 0;
+  int shares_ = 0;                    // modulo its size once it is full
 
   forecast_t forecast_{};
 };

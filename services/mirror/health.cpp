@@ -69,14 +69,14 @@ const Rig& with_sensors(const Rig& rig) {
 void Health::Part::take(double value, double sigma, double matters, int patience, int doubt,
                         int settling) noexcept {
   const double size = std::abs(value);
-  sure = size > std::max(matters, kSure * sigma) ? sure + 1 : 0;
+  sure = size > std::max(matters, kSure * sigma) ? std::min(sure + 1, settling) : 0;
   if (sure >= settling) off = true;
   if (sure > 0) {
     good = unsure = 0;
     return;
   }
-  good = size + kOver * sigma < matters ? good + 1 : 0;
-  unsure = size - kOver * sigma < 0.5 * matters ? unsure + 1 : 0;
+  good = size + kOver * sigma < matters ? std::min(good + 1, patience) : 0;
+  unsure = size - kOver * sigma < 0.5 * matters ? std::min(unsure + 1, doubt) : 0;
   if (good >= patience || unsure >= doubt) off = false;
 }
 
@@ -103,7 +103,7 @@ void Health::reset() noexcept {
   biased_.fill(false);
   rotors_.reset();
   blamed_rotor_ = -1;
-  losses_ = 0;
+  losses_ = kUnknown;
   disagreeing_ = 0;
   moment_ = {};
   friction_ = inertia_ = {};
@@ -113,6 +113,7 @@ void Health::reset() noexcept {
 
 void Health::take(const Follower& follower, const sensors_t& sensors,
                   const model::Input& acting) noexcept {
+  if (losses_ == kUnknown) losses_ = follower.losses();
   const Estimate& estimate = follower.estimate();
   const Innovation& rotors = follower.innovations()[kRotors];
   rotors_.take(estimate.state.rotor_speed,
@@ -292,7 +293,7 @@ bool Health::blame_disagreeing_sensors(const Follower& follower) noexcept {
 void Health::blame(const Follower& follower) noexcept {
   health_.blamed_index = 0;
   const auto count = std::count_if(sensor_.begin(), sensor_.end(), disagrees);
-  disagreeing_ = count > 0 ? disagreeing_ + 1 : 0;
+  disagreeing_ = count > 0 ? std::min(disagreeing_ + 1, naming_) : 0;
   // Where hardly a sensor agrees, what the filter makes of them says nothing of the parts.
   const bool lost = count > kFew;
   if (blame_evident_sensor(follower) || (!lost && blame_part(follower)) ||

@@ -30,7 +30,7 @@ class Health {
   /// is sure of the contrary, or has been in doubt for long.
   struct Part {
     bool off = false;
-    int sure = 0, good = 0, unsure = 0;  // ticks on end
+    int sure = 0, good = 0, unsure = 0;  // ticks on end, as far as they matter
     /// @param value departure @param sigma of it @param matters from where on it does
     void take(double value, double sigma, double matters, int patience, int doubt,
               int settling = 1) noexcept;
@@ -55,8 +55,9 @@ class Health {
   std::array<bool, kHealthSensors> biased_{};
   RotorWatch rotors_;
   int blamed_rotor_ = -1;
-  int losses_ = 0;       // of the follower so far
-  int disagreeing_ = 0;  // ticks on end in which some sensor has disagreed
+  static constexpr int kUnknown = -1;
+  int losses_ = kUnknown;  // of the follower, which counts over all runs, when it was last settled
+  int disagreeing_ = 0;    // ticks on end in which some sensor has disagreed
   std::array<Part, 2> moment_;
   Part friction_, inertia_;
   std::array<Part, model::kMaxDrives> drive_;

@@ -78,9 +78,9 @@ int SensorJudge::best_lag() const noexcept {
 /// What is wrong at this tick; AGREES: nothing.
 std::int32_t SensorJudge::seen(bool heard, const double* value, const Innovation& innovation,
                                bool biased) noexcept {
-  silent_ = heard ? 0 : silent_ + 1;
-  insane_ = innovation.insane ? insane_ + 1 : 0;
-  stuck_ = innovation.stuck ? stuck_ + 1 : 0;
+  silent_ = heard ? 0 : std::min(silent_ + 1, kSilent);
+  insane_ = innovation.insane ? std::min(insane_ + 1, kInsane) : 0;
+  stuck_ = innovation.stuck ? std::min(stuck_ + 1, kStuck) : 0;
   if (silent_ >= kSilent) return health_t::SILENT;
   if (insane_ >= kInsane) return health_t::INSANE;
   if (stuck_ >= kStuck) return health_t::STUCK;
@@ -108,7 +108,7 @@ void SensorJudge::take(bool heard, const double* value, const Innovation& innova
                        bool biased) noexcept {
   if (channels_ == 0) return;
   const std::int32_t now = seen(heard, value, innovation, biased);
-  good_ = now == health_t::AGREES ? good_ + 1 : 0;
+  good_ = now == health_t::AGREES ? std::min(good_ + 1, patience_) : 0;
   if (now == health_t::DISAGREES && verdict_ == health_t::LATE) return;
   if (now != health_t::AGREES || good_ >= patience_) verdict_ = now;
 }

@@ -49,7 +49,7 @@ class SensorJudge {
   double limit_ = 0.0;
 
   double nis_ = 1.0, square_ = 0.0;
-  int silent_ = 0, insane_ = 0, stuck_ = 0, good_ = 0;                      // ticks on end
+  int silent_ = 0, insane_ = 0, stuck_ = 0, good_ = 0;  // ticks on end, as far as they matter
   std::array<std::array<double, Innovation::kMaxChannels>, kLags> past_{};  // expected
   std::array<double, kLags> lag_misfit_{};
   std::int64_t ticks_ = 0;

@@ -5,6 +5,7 @@
 
 #include "services/integrator/plant.hpp"
 #include "tests/mirror/falls.hpp"
+#include "tests/support/twin_bench.hpp"
 
 namespace gyrotwin {
 namespace {
@@ -104,6 +105,66 @@ TEST(Forecast, ComesOftenEnoughAndIsYoung) {
     EXPECT_EQ(loop.forecast.law, 1);
   }
   EXPECT_GE(told, 20) << "in a second";
+}
+
+TEST(Forecast, IsToldWhereTheEstimateBeginsBeyondTheLimit) {
+  const Rig rig = load_rig("double_brennan");
+  const model::Machine machine = rig.build_machine();
+  sensors_t lying{};
+  lying.valid = sensors_t::VALID_ACCELEROMETER;
+  const Eigen::Vector3d up(0.0, 0.8, 0.6);
+  const Eigen::Vector3d felt = machine.gravity * rig.sensors->imu_axes().transpose() * up;
+  for (int i = 0; i < 3; ++i) lying.acceleration_m_s2[i] = felt[i];
+  Follower follower(rig, machine);
+  follower.start(lying);
+  ASSERT_GT(machine.tilt(follower.estimate().state), rig.safety.fall_tilt_rad);
+
+  Forecast forecast(rig, machine);
+  int told = 0;
+  header_t at{};
+  const auto second = std::llround(rig.loop.rate_hz);
+  for (at.tick = 1; at.tick <= second; ++at.tick) told += forecast.step(follower, at, nullptr);
+  EXPECT_GE(told, 20) << "in a second";
+  forecast_t last{};
+  forecast.fill(last);
+  EXPECT_EQ(last.outcome, forecast_t::FALLS);
+  EXPECT_EQ(last.falls_in_ns, 0);
+
+  // And it goes on once the rig stands.
+  follower.start({});
+  told = 0;
+  for (; at.tick <= 2 * second; ++at.tick) told += forecast.step(follower, at, nullptr);
+  EXPECT_GE(told, 20) << "in a second";
+  forecast.fill(last);
+  EXPECT_GT(last.tilt_margin_rad, 0.0);
+}
+
+TEST(Forecast, AnotherRunRemembersNothingOfTheLaw) {
+  support::TwinBench bench("prototype_b");
+  ASSERT_GT(make_law(bench.rig)->states(), 0);
+  bench.disturb = [](support::TwinBench& of, model::Input& input) {
+    input.moment.x() = 0.2 * of.rig.reference_impulse_nms;
+  };
+  Forecast used(bench.rig, bench.machine), fresh(bench.rig, bench.machine);
+  for (int k = 0; k < 700; ++k) {
+    ASSERT_TRUE(bench.step());
+    used.step(bench.follower, bench.sensors.header, nullptr);
+  }
+  used.reset();
+  int told = 0;
+  for (int k = 0; k < 300; ++k) {
+    ASSERT_TRUE(bench.step());
+    const bool told_anew = used.step(bench.follower, bench.sensors.header, nullptr);
+    ASSERT_EQ(fresh.step(bench.follower, bench.sensors.header, nullptr), told_anew);
+    if (!told_anew) continue;
+    ++told;
+    forecast_t one{}, other{};
+    used.fill(one);
+    fresh.fill(other);
+    EXPECT_EQ(one.peak_tilt_rad, other.peak_tilt_rad);
+    EXPECT_EQ(one.final_tilt_rad, other.final_tilt_rad);
+  }
+  EXPECT_GE(told, 5);
 }
 
 }  // namespace

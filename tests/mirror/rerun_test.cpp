@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "clients/rerun/comparison.hpp"
 #include "tests/support/mirrored_loop.hpp"
 #include "tests/support/small_log.hpp"
 
@@ -85,6 +86,7 @@ TEST(Rerun, TheMirrorMakesTheSameOfTheSameLog) {
   rerun_mirror(again, loop.rig, second.take());
   EXPECT_EQ(first.messages, second.messages);
   EXPECT_GT(account.compared, 400);
+  EXPECT_GE(account.recorded, account.compared);
   EXPECT_EQ(account.different, 0) << account.first_difference;
 }
 
@@ -95,6 +97,30 @@ TEST(Rerun, TheControllerGivesTheRecordedCommands) {
   const Account account = rerun_controller(log, loop.rig, RerunOn::kLive, {});
   EXPECT_GE(account.compared, 999);
   EXPECT_EQ(account.different, 0) << account.first_difference;
+}
+
+// Epochs are random: a run that comes later may have the smaller one.
+TEST(Rerun, WhatWaitsLongestForItsCounterpartGoesFirst) {
+  Comparison comparison;
+  const Comparison::Payload payload;
+  for (std::int64_t sequence = 0; sequence < 20'000; ++sequence) {
+    comparison.made(Channel::kTwinState, 2, sequence, payload);
+  }
+  comparison.made(Channel::kTwinState, 1, 7, payload);
+  comparison.recorded(Channel::kTwinState, 1, 7, payload);
+  EXPECT_EQ(comparison.compared(), 1);
+  comparison.recorded(Channel::kTwinState, 2, 0, payload);
+  EXPECT_EQ(comparison.compared(), 1) << "it is gone";
+  comparison.recorded(Channel::kTwinState, 2, 1, payload);
+  EXPECT_EQ(comparison.compared(), 2);
+}
+
+TEST(Rerun, CounterpartsOfWhichNoneIsComparedAreInVain) {
+  EXPECT_EQ(in_vain({.made = 3, .recorded = 3, .compared = 3}), "");
+  EXPECT_EQ(in_vain({.made = 3}), "") << "a record without a twin";
+  EXPECT_EQ(in_vain({.recorded = 3}), "nothing came of it");
+  EXPECT_NE(in_vain({.made = 3, .recorded = 5}).find("none of the 5 recorded messages"),
+            std::string::npos);
 }
 
 TEST(Rerun, TheFirstDifferenceIsNamed) {

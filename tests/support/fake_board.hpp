@@ -97,10 +97,14 @@ class DeviceBench {
   }
   void say(std::int32_t mode) {
     beat.mode = mode;
-    beat.sent_ns = board.now;
+    beat.sent_ns = beat.echo_ns = board.now;
     receive(frame_of(beat));
   }
-  void send_command() { receive(frame_of(command)); }
+  /// Answers the newest sample.
+  void send_command() {
+    command.for_tick = std::max<std::int64_t>(0, device.samples - 1);
+    receive(frame_of(command));
+  }
   void send_command(double value) {
     command.value[0] = value;
     send_command();

@@ -53,6 +53,7 @@ class Bench : public testing::Test {
     beat.mode = mode;
     beat.command_timeout_ticks = 10;
     beat.safe_stop = beat_t::ZERO_TORQUE;
+    beat.echo_ns = heard_ns_;
     const FrameBytes frame = frame_of(beat);
     ASSERT_EQ(::write(line_.get(), frame.data(), frame.size()), static_cast<ssize_t>(frame.size()));
   }
@@ -69,6 +70,7 @@ class Bench : public testing::Test {
       if (count <= 0) continue;
       for (const FrameBytes& payload :
            unframer_.take(std::span(bytes).first(static_cast<std::size_t>(count)))) {
+        if (beat_t beat; decode(payload, beat)) heard_ns_ = beat.sent_ns;
         Message message;
         if (decode(payload, message) && holds(message)) return true;
       }
@@ -78,6 +80,7 @@ class Bench : public testing::Test {
 
   fs::path home_;
   Descriptor line_;
+  std::int64_t heard_ns_ = 0;  // sent_ns of the device's newest beat
   Unframer unframer_;
 };
 

@@ -48,14 +48,48 @@ TEST(FirmwareDevice, ACommandActsForItsValidTicks) {
     bench.sample(3);
     bench.command.valid_ticks = valid;
     bench.send_command(1.5);
-    for (int k = 0; k < valid; ++k) {
+    EXPECT_EQ(bench.board.drives.value[0], 1.5) << "in the tick of the sample that it answers,";
+    for (int k = 1; k < valid; ++k) {
       bench.sample();
-      EXPECT_EQ(bench.board.drives.value[0], 1.5) << valid << " " << k;
+      EXPECT_EQ(bench.board.drives.value[0], 1.5) << "and in each after it: " << valid << " " << k;
     }
     bench.sample();
     EXPECT_EQ(bench.board.drives.value[0], 0.0) << valid;
     EXPECT_EQ(bench.device.mode, kRunning);
   }
+}
+
+TEST(FirmwareDevice, ACommandsAgeCountsFromTheSampleThatItAnswers) {
+  DeviceBench bench;
+  bench.beat.command_timeout_ticks = 10;
+  bench.run();
+  bench.sample(6);  // the newest is 5
+  bench.command.valid_ticks = 4;
+  const auto send_for = [&](std::int64_t tick) {
+    bench.command.for_tick = tick;
+    bench.receive(frame_of(bench.command));
+  };
+  for (const std::int64_t tick :
+       {std::int64_t{1}, std::int64_t{0}, std::int64_t{7}, std::int64_t{-1},
+        std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}) {
+    const std::int64_t refused = bench.device.commands_refused;
+    send_for(tick);
+    EXPECT_EQ(bench.device.commands_refused, refused + 1) << tick;
+    EXPECT_EQ(bench.board.drives.value[0], 0.0) << tick;
+  }
+  EXPECT_EQ(bench.device.commands_obeyed, 0);
+
+  // Three of its four ticks went by on the way, or two.
+  send_for(2);
+  EXPECT_EQ(bench.board.drives.value[0], 1.5);
+  bench.sample();
+  EXPECT_EQ(bench.board.drives.value[0], 0.0);
+  send_for(4);
+  bench.sample();
+  EXPECT_EQ(bench.board.drives.value[0], 1.5);
+  bench.sample();
+  EXPECT_EQ(bench.board.drives.value[0], 0.0);
+  EXPECT_EQ(bench.device.commands_obeyed, 2);
 }
 
 TEST(FirmwareDevice, CommandsThatCannotBeMeantAreRefused) {
@@ -159,6 +193,39 @@ TEST(FirmwareDevice, SilenceOfTheHostStopsItThoughCommandsCome) {
   EXPECT_EQ(bench.device.safe_stops, 1);
 }
 
+/// Beats and commands come every tick; each beat echoes what the device sent `behind` ticks ago.
+void run_behind(DeviceBench& bench, int ticks, std::int64_t behind) {
+  for (int k = 0; k < ticks; ++k) {
+    bench.beat.echo_ns = bench.board.now - behind * DeviceBench::kTick;
+    bench.receive(frame_of(bench.beat));
+    bench.send_command(1.5);
+    bench.sample();
+  }
+}
+
+TEST(FirmwareDevice, AHostThatIsFarBehindIsASilentOne) {
+  DeviceBench bench;
+  bench.sample(250);
+  bench.run();
+  run_behind(bench, 100, 199);  // 200 at the sample
+  ASSERT_EQ(bench.device.mode, kRunning);
+  run_behind(bench, 1, 200);
+  EXPECT_EQ(bench.device.mode, kSafeStop);
+  EXPECT_EQ(bench.device.stop, GYROTWIN_STOP_SILENCE);
+  EXPECT_EQ(bench.board.drives.value[0], 0.0);
+  EXPECT_EQ(bench.device.safe_stops, 1);
+}
+
+TEST(FirmwareDevice, TheFirstBeatsOfADeviceNeedTheirTimeToBeEchoed) {
+  DeviceBench bench;
+  bench.run();
+  run_behind(bench, 201, 5000);
+  EXPECT_EQ(bench.device.mode, kRunning) << "the first one was sent 200 ms ago";
+  run_behind(bench, 1, 5000);
+  EXPECT_EQ(bench.device.mode, kSafeStop);
+  EXPECT_EQ(bench.device.stop, GYROTWIN_STOP_SILENCE);
+}
+
 TEST(FirmwareDevice, EveryOtherModeOfTheHostIsASafeStop) {
   constexpr std::array<std::int32_t, 4> kOthers{status_t::MODE_SAFE_STOP, status_t::MODE_FALLEN,
                                                 status_t::MODE_FAULT, status_t::MODE_PAUSED};
@@ -241,6 +308,25 @@ TEST(FirmwareDevice, ARigWithoutEstopHasNoneToPress) {
   EXPECT_EQ(bench.device.mode, kRunning);
 }
 
+TEST(FirmwareDevice, AnEstopThatIsNotReadAnyMoreIsPressed) {
+  DeviceBench bench;
+  bench.board.sensors.valid = GYROTWIN_VALID_ESTOP;
+  bench.sample();
+  bench.run();
+  bench.sample();
+  ASSERT_EQ(bench.device.mode, kRunning);
+  bench.board.sensors.valid = 0;
+  bench.sample();
+  EXPECT_EQ(bench.device.mode, kSafeStop);
+  EXPECT_EQ(bench.device.stop, GYROTWIN_STOP_ESTOP);
+  bench.run();
+  EXPECT_EQ(bench.device.mode, kSafeStop);
+  bench.board.sensors.valid = GYROTWIN_VALID_ESTOP;
+  bench.sample();
+  bench.run();
+  EXPECT_EQ(bench.device.mode, kRunning);
+}
+
 TEST(FirmwareDevice, RestartedUnderWayItDoesNotGoOn) {
   DeviceBench bench;
   bench.say(kRunning);
@@ -300,6 +386,50 @@ TEST(FirmwareDevice, SwitchesRotorsWhenAskedTo) {
   EXPECT_EQ(bench.sent<beat_t>().back().rotors, beat_t::ROTORS_ON);
   bench.beat.rotors = beat_t::ROTORS_OFF;
   bench.say(kRunning);
+  EXPECT_FALSE(bench.board.rotors);
+}
+
+TEST(FirmwareDevice, RotorsThatTheBoardHasCutAreNotSwitchedOnByEveryBeat) {
+  DeviceBench bench;
+  bench.beat.rotors = beat_t::ROTORS_ON;
+  bench.say(kHeld);
+  ASSERT_TRUE(bench.board.rotors);
+  bench.board.rotors = false;  // by itself
+  bench.say(kHeld);
+  bench.say(kRunning);
+  EXPECT_FALSE(bench.board.rotors);
+  bench.beat.rotors = beat_t::ROTORS_AS_THEY_ARE;
+  bench.say(kHeld);
+  bench.beat.rotors = beat_t::ROTORS_ON;
+  bench.say(kHeld);
+  EXPECT_TRUE(bench.board.rotors) << "asked anew";
+}
+
+TEST(FirmwareDevice, RotorsAreNotSwitchedOnWhileTheEstopIsPressed) {
+  DeviceBench bench;
+  bench.board.sensors.valid = GYROTWIN_VALID_ESTOP;
+  bench.board.sensors.estop = 1;
+  bench.sample();
+  bench.beat.rotors = beat_t::ROTORS_ON;
+  bench.say(kHeld);
+  EXPECT_FALSE(bench.board.rotors);
+  bench.board.sensors.estop = 0;
+  bench.sample();
+  bench.say(kHeld);
+  EXPECT_FALSE(bench.board.rotors) << "released, it is asked for anew or not at all";
+  bench.beat.rotors = beat_t::ROTORS_OFF;
+  bench.say(kHeld);
+  bench.beat.rotors = beat_t::ROTORS_ON;
+  bench.say(kHeld);
+  ASSERT_TRUE(bench.board.rotors);
+
+  // Pressing cuts nothing by itself; OFF acts nevertheless.
+  bench.board.sensors.estop = 1;
+  bench.sample(3);
+  bench.say(kHeld);
+  EXPECT_TRUE(bench.board.rotors);
+  bench.beat.rotors = beat_t::ROTORS_OFF;
+  bench.say(kHeld);
   EXPECT_FALSE(bench.board.rotors);
 }
 

@@ -87,6 +87,22 @@ TEST(Follower, BridgesWhatIsMissing) {
   EXPECT_EQ(thinned.losses(), 0);
 }
 
+TEST(Follower, StartsAnewAfterALongSilence) {
+  for (const int missing : {50, 51}) {
+    TwinBench bench("double_brennan");
+    ASSERT_TRUE(bench.run(1.5));
+    sensors_t late = bench.sensors;
+    late.header.tick += 1 + missing;
+    bench.follower.step(late, bench.commanded);
+    EXPECT_EQ(bench.follower.settled(), missing == 50);
+    EXPECT_EQ(bench.follower.losses(), 0);
+    Follower anew(bench.rig, bench.machine);
+    anew.start(late);
+    EXPECT_EQ(bench.follower.estimate().state.q == anew.estimate().state.q, missing == 51);
+    EXPECT_EQ(bench.follower.deviation() == anew.deviation(), missing == 51);
+  }
+}
+
 TEST(Follower, SurvivesWhatIsNoNumber) {
   TwinBench bench("prototype_b");
   ASSERT_TRUE(bench.run(0.5));

@@ -327,5 +327,34 @@ TEST(Health, HasNoVerdictWhileItSettlesNorOnWhatIsNotThere) {
   EXPECT_EQ(bench.text(), "agrees");
 }
 
+TEST(Health, ALossIsNoneOfTheNextRun) {
+  TwinBench bench("double_brennan");
+  ASSERT_TRUE(bench.run(1.5));
+  sensors_t wild = bench.sensors;
+  for (int k = 0; k < 500 && bench.follower.losses() == 0; ++k) {
+    ++wild.header.tick;
+    const double sign = k % 2 == 0 ? 1.0 : -1.0;
+    for (double& x : wild.gyro_rad_s) x = sign * (20.0 + k);
+    for (double& x : wild.acceleration_m_s2) x = -sign * (50.0 + k);
+    for (double& x : wild.gimbal_angle_rad) x = sign * (1.0 + 0.01 * k);
+    bench.follower.step(wild, bench.commanded);
+    bench.health.take(bench.follower, wild, bench.commanded);
+  }
+  ASSERT_GT(bench.follower.losses(), 0);
+  bench.health.fill(bench.said);
+  EXPECT_EQ(bench.said.verdict, +health_t::DISAGREES);
+
+  // As the mirror begins another run.
+  bench.health.reset();
+  bench.follower.distrust(0);
+  const int before = bench.follower.losses();
+  bench.follower.start(bench.sensors);
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(bench.step());
+    ASSERT_EQ(bench.said.verdict, +health_t::NONE) << k << ": " << bench.text();
+  }
+  EXPECT_EQ(bench.follower.losses(), before);
+}
+
 }  // namespace
 }  // namespace gyrotwin

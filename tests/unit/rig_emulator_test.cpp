@@ -96,7 +96,7 @@ class Host {
   }
 
   void hear(const FrameBytes& payload) {
-    decode(payload, device);
+    if (decode(payload, device)) beat.echo_ns = device.sent_ns;
     decode(payload, reply);
     const std::int64_t before = sensors.header.tick;
     const std::int64_t epoch = sensors.header.epoch;
@@ -107,6 +107,7 @@ class Host {
     if (!commands || beat.mode != status_t::MODE_RUNNING) return;
     const auto torques = law_.step(estimator_.seen());
     std::copy(torques.begin(), torques.end(), std::begin(command.value));
+    command.for_tick = sensors.header.tick;
     send(command);
   }
 
@@ -308,9 +309,10 @@ TEST(RigEmulator, AHostThatDoesNotReadHoldsNothingUp) {
 
 TEST(RigEmulator, ARestartedFirmwareIsAnotherRunAndThePlantGoesOn) {
   Host host("prototype_b");
-  host.emulator.cause(parse_trouble("restart@0.3", 0.0));
+  host.emulator.cause(parse_trouble("restart@0.301", 0.0));  // between two beats
+  host.emulator.cause(parse_trouble("silent@0.302+0.02", 0.0));
   host.arm();
-  host.run(0.299);
+  host.run(0.300);
   const std::int64_t epoch = host.sensors.header.epoch;
   const double disc = host.emulator.plant().state().q[2];
   host.tick();
@@ -319,8 +321,28 @@ TEST(RigEmulator, ARestartedFirmwareIsAnotherRunAndThePlantGoesOn) {
   EXPECT_EQ(host.sensors.header.tick, 0);
   EXPECT_EQ(host.sensors.header.sim_time_ns, 0) << "its clock begins anew";
   EXPECT_NEAR(host.emulator.plant().state().q[2], disc, 0.01) << "nobody put it back";
-  EXPECT_EQ(host.emulator.plant().tick(), 300);
+  EXPECT_EQ(host.emulator.plant().tick(), 301);
   EXPECT_EQ(host.emulator.restarts(), 1);
+
+  // HELD by itself, since nobody says anything: nobody props it up either.
+  const model::State left = host.emulator.plant().state();
+  const double tilt_deg = host.tilt_deg();
+  host.run(0.02);
+  ASSERT_EQ(host.emulator.device().mode, status_t::MODE_HELD);
+  EXPECT_EQ(host.emulator.plant().input().drive[0], 0.0);
+  const model::State& after = host.emulator.plant().state();
+  // Put back, its disc would be where it began; it turned by -0.88 rad since.
+  EXPECT_NEAR(after.q[2] - left.q[2], 0.02 * left.v[2], 0.005);  // measured 5e-5
+  EXPECT_NE(after.v[0], left.v[0]);
+  EXPECT_NE(host.tilt_deg(), tilt_deg);
+
+  // Until the host says so.
+  host.tick();  // the line is back
+  host.say(status_t::MODE_HELD);
+  host.tick();
+  const model::State begin = host.rig.initial_state(host.emulator.plant().machine());
+  EXPECT_EQ(host.emulator.plant().state().v[0], begin.v[0]);
+  EXPECT_EQ(host.emulator.plant().state().q[0], begin.q[0]);
 }
 
 TEST(RigEmulator, WhatIsCausedNowBeginsWithTheNextSample) {

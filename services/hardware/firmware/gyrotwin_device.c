@@ -49,6 +49,7 @@ static void run(gyrotwin_device* device) {
   device->mode = GYROTWIN_RUNNING;
   device->run_epoch = device->host.header.epoch;
   device->command_sample = device->samples;
+  device->command_tick = device->samples;
   device->command_valid = 0;
   set_drives(device, GYROTWIN_DRIVES_TORQUE, 0.0);
   apply(device);
@@ -74,6 +75,7 @@ static void send_beat(gyrotwin_device* device) {
   const int64_t now = board->now_ns(board->context);
   uint8_t payload[GYROTWIN_BEAT_SIZE];
   gyrotwin_beat beat;
+  if (device->beats == 0) device->first_beat_ns = now;
   beat.header = header_of(device, device->beats++, now);
   beat.mode = device->mode;
   beat.rotors = board->rotors_powered(board->context) ? GYROTWIN_ROTORS_ON : GYROTWIN_ROTORS_OFF;
@@ -111,10 +113,15 @@ static void follow(gyrotwin_device* device) {
   }
 }
 
+// A beat that repeats its request asks for nothing: a board that has cut the rotors itself keeps
+// them cut. Nor may a request that was ignored come to act when the E-stop is released.
 static void switch_rotors(gyrotwin_device* device) {
   const gyrotwin_board* const board = device->board;
-  if (device->host.rotors == GYROTWIN_ROTORS_AS_THEY_ARE) return;
+  const bool changed = device->host.rotors != device->rotors_asked;
+  device->rotors_asked = device->host.rotors;
+  if (!changed || device->host.rotors == GYROTWIN_ROTORS_AS_THEY_ARE) return;
   const bool on = device->host.rotors == GYROTWIN_ROTORS_ON;
+  if (on && device->estop) return;
   if (board->rotors_powered(board->context) != on) board->power_rotors(board->context, on);
 }
 
@@ -143,6 +150,13 @@ static bool on_beat(gyrotwin_device* device, const uint8_t* payload, size_t size
   return true;
 }
 
+// It answers the sample `for_tick`, and may act in `valid_ticks` ticks from there: the one after
+// the newest sample must be among them. The range first, so that the difference cannot overflow.
+static bool of_now(const gyrotwin_device* device, const gyrotwin_command* command) {
+  return command->for_tick >= 0 && command->for_tick <= device->samples &&
+         device->samples - 1 - command->for_tick < command->valid_ticks;
+}
+
 static bool can_be_meant(const gyrotwin_device* device, const gyrotwin_command* command) {
   if (command->mode != GYROTWIN_TORQUE_NM && command->mode != GYROTWIN_VOLTAGE_V) return false;
   if (command->valid_ticks < 1 || command->owner_epoch != device->run_epoch) return false;
@@ -157,12 +171,13 @@ static bool on_command(gyrotwin_device* device, const uint8_t* payload, size_t s
   if (!gyrotwin_command_decode(payload, size, &command)) return false;
   if (!for_us(device, &command.header)) return false;
   if (device->mode != GYROTWIN_RUNNING) return true;
-  if (!can_be_meant(device, &command)) {
+  if (!can_be_meant(device, &command) || !of_now(device, &command)) {
     ++device->commands_refused;
     return true;
   }
   ++device->commands_obeyed;
   device->command_sample = device->samples;
+  device->command_tick = command.for_tick;
   device->command_valid = command.valid_ticks;
   device->drives.mode =
       command.mode == GYROTWIN_VOLTAGE_V ? GYROTWIN_DRIVES_VOLTAGE : GYROTWIN_DRIVES_TORQUE;
@@ -238,15 +253,30 @@ static bool command_lost(const gyrotwin_device* device) {
   return device->samples - device->command_sample >= device->host.command_timeout_ticks;
 }
 
+// What comes is stale although it keeps coming: the host's beats echo one of the device's that is
+// long gone. Its first beats need their time to be echoed.
+static bool host_is_behind(const gyrotwin_device* device, int64_t now) {
+  const int64_t oldest = now - 2 * (int64_t)GYROTWIN_BEAT_TIMEOUT_NS;
+  return device->beats > 0 && device->first_beat_ns < oldest && device->host.echo_ns < oldest;
+}
+
 static void watch(gyrotwin_device* device, int64_t now) {
   if (device->mode != GYROTWIN_RUNNING) return;
   if (device->estop) {
     stop(device, GYROTWIN_STOP_ESTOP);
   } else if (command_lost(device)) {
     stop(device, GYROTWIN_STOP_COMMANDS);
-  } else if (now - device->host_heard_ns > GYROTWIN_BEAT_TIMEOUT_NS) {
+  } else if (now - device->host_heard_ns > GYROTWIN_BEAT_TIMEOUT_NS ||
+             host_is_behind(device, now)) {
     stop(device, GYROTWIN_STOP_SILENCE);
   }
+}
+
+// One that has been read and is no more (a wire, a failed input) counts as pressed.
+static void read_estop(gyrotwin_device* device, const gyrotwin_sensors* sensors) {
+  const bool heard = (sensors->valid & GYROTWIN_VALID_ESTOP) != 0;
+  device->estop_heard = device->estop_heard || heard;
+  device->estop = heard ? sensors->estop != 0 : device->estop_heard;
 }
 
 void gyrotwin_device_sample(gyrotwin_device* device) {
@@ -257,12 +287,12 @@ void gyrotwin_device_sample(gyrotwin_device* device) {
   board->read_sensors(board->context, &sensors);
   const int64_t now = board->now_ns(board->context);
   sensors.header = header_of(device, device->samples, now);
-  device->estop = (sensors.valid & GYROTWIN_VALID_ESTOP) != 0 && sensors.estop != 0;
+  read_estop(device, &sensors);
 
   watch(device, now);
   if (device->mode == GYROTWIN_SAFE_STOP) {
     drive_safely(device);
-  } else if (device->samples - device->command_sample >= device->command_valid &&
+  } else if (device->samples - device->command_tick >= device->command_valid &&
              device->mode == GYROTWIN_RUNNING) {
     set_drives(device, GYROTWIN_DRIVES_TORQUE, 0.0);
   }

@@ -60,7 +60,7 @@ typedef enum gyrotwin_stop {
   GYROTWIN_STOP_NONE = 0,
   GYROTWIN_STOP_HOST,      // the host said so
   GYROTWIN_STOP_COMMANDS,  // no valid command in time
-  GYROTWIN_STOP_SILENCE,   // no beat of the host in time
+  GYROTWIN_STOP_SILENCE,   // no beat of the host in time, or one that echoes an old one
   GYROTWIN_STOP_ESTOP,     // pressed
   GYROTWIN_STOP_NOT_HELD,  // it was to run without having been held: the device has restarted
   GYROTWIN_STOP_OTHER_RUN  // while running, a beat of another run of the owner
@@ -77,24 +77,28 @@ typedef struct gyrotwin_device {
   int64_t samples;  // taken: the tick of the next one
   int32_t mode;     // GYROTWIN_HELD, GYROTWIN_RUNNING or GYROTWIN_SAFE_STOP
   gyrotwin_stop stop;
-  bool estop;     // pressed at the last sample
-  bool was_held;  // the host has said HELD since the start
+  bool estop;        // pressed at the last sample, or not to be read any more
+  bool estop_heard;  // it could be read since the start
+  bool was_held;     // the host has said HELD since the start
 
   gyrotwin_beat host;     // its last beat, as decoded; header.epoch 0: none yet
   int64_t host_heard_ns;  // when
   int64_t run_epoch;      // the owner's, since RUNNING
+  int32_t rotors_asked;   // the request of the last beat, obeyed or not
 
   gyrotwin_drives drives;              // what they do
   double held_speed[GYROTWIN_DRIVES];  // at the safe stop [rad/s]
   int64_t command_sample;  // `samples` when the last command was obeyed, or RUNNING began
-  int32_t command_valid;   // its valid_ticks
+  int64_t command_tick;    // its for_tick, likewise
+  int32_t command_valid;   // its valid_ticks, from command_tick on
 
   int64_t beat_due_ns;
+  int64_t first_beat_ns;  // when the first one was sent
   int64_t beats;
   int64_t replies;
   int64_t frames_refused;  // of a good checksum, but no message for this device
   int64_t commands_obeyed;
-  int64_t commands_refused;  // while running: not finite, unknown mode, or of another run
+  int64_t commands_refused;  // while running: not finite, unknown mode, of another run, or too old
   int64_t safe_stops;        // entered by itself
 } gyrotwin_device;
 

@@ -13,9 +13,12 @@
 extern "C" {
 #endif
 
-// Frames that may wait, the one that is going out included; at least 2.
+// Frames that may wait, the one that is going out included: 2 to 255.
 #ifndef GYROTWIN_OUTBOX_FRAMES
 #define GYROTWIN_OUTBOX_FRAMES 8
+#endif
+#if GYROTWIN_OUTBOX_FRAMES < 2 || GYROTWIN_OUTBOX_FRAMES > 255
+#error "GYROTWIN_OUTBOX_FRAMES must be from 2 to 255: places are counted in a byte"
 #endif
 // The longest frame of a device, a reply.
 #define GYROTWIN_OUTBOX_FRAME_SIZE GYROTWIN_FRAME_SIZE(GYROTWIN_REPLY_SIZE)

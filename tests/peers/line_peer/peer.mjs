@@ -73,6 +73,7 @@ function beat(mode) {
   return frame(lcm.encode('beat_t', {
     header: header(samples.length), mode, rotors: beats.ROTORS_ON, command_timeout_ticks: 5,
     safe_stop: beats.BRAKE, safe_stop_gain: 0.5, sent_ns: 1000 + sentBeats,
+    echo_ns: newest.beat_t ? newest.beat_t.sent_ns : 0,
   }));
 }
 

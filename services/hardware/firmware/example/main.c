@@ -7,17 +7,22 @@
 enum { kRigId = 1 };    // rig.id of the rig file
 enum { kRing = 1024 };  // a power of two; more than the host sends between two turns of the loop
 
+// Of a width that the core loads and stores in one instruction, or the loop reads half of an old
+// value and half of a new one: uint32_t on 32-bit cores; on 8-bit ones uint8_t, and kRing 128.
+typedef uint32_t ring_index;
+
 // One writer, the interrupt, and one reader, the loop; on one core that is all it takes.
 static volatile uint8_t ring[kRing];
-static volatile uint32_t received, taken;
-static volatile uint32_t timer_fired;
+static volatile ring_index received, taken;
+static volatile ring_index timer_fired;
 
 void example_on_byte(uint8_t byte);
 void example_on_timer(void);
 int main(void);
 
 void example_on_byte(uint8_t byte) {
-  if (received - taken == kRing) return;  // a byte lost is a frame lost, which the next 0 mends
+  // A byte lost is a frame lost, which the next 0 mends.
+  if ((ring_index)(received - taken) == kRing) return;
   ring[received % kRing] = byte;
   ++received;
 }
@@ -91,13 +96,14 @@ int main(void) {
       .write = write_line,
   };
   static gyrotwin_device device;
-  uint32_t sampled = 0;
+  ring_index sampled = 0;
 
   board_start();
   gyrotwin_device_init(&device, &board, kRigId, board_random());
   for (;;) {
-    const uint32_t until = received;
-    while (taken != until) {
+    // No more than a ring of them: the sample must have its turn.
+    const ring_index until = received;
+    for (int n = 0; n < kRing && taken != until; ++n) {
       const uint8_t byte = ring[taken % kRing];
       ++taken;
       gyrotwin_device_receive(&device, &byte, 1);
