@@ -7,10 +7,10 @@
 
 #include "clients/simulate/simulation.hpp"
 #include "services/controller/law.hpp"
-#include "services/onboard/safe_stop.hpp"
 #include "services/integrator/schedule.hpp"
 #include "services/integrator/simulated_sensors.hpp"
 #include "services/onboard/estimator.hpp"
+#include "services/onboard/safe_stop.hpp"
 #include "services/runtime/command_gate.hpp"
 
 namespace gyrotwin {
