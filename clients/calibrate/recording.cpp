@@ -10,6 +10,7 @@
 #include "services/onboard/safe_stop.hpp"
 #include "services/runtime/command_gate.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/observation_wire.hpp"
 
 namespace gyrotwin {
 
@@ -104,9 +105,7 @@ class Follower {
   model::Input acting(std::int64_t tick) {
     model::Input input;
     if (const command_t* command = gate_.acting(tick); command && !schedule_.command_lost(tick)) {
-      input.mode = command->mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage
-                                                         : model::DriveMode::kTorque;
-      std::copy(std::begin(command->value), std::end(command->value), input.drive.begin());
+      from_wire(*command, input);
     }
     input.rotor_powered.fill(powered_);
     schedule_.apply(tick, input);

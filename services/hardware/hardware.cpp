@@ -59,10 +59,7 @@ bool Hardware::on_command(const command_t& command) noexcept {
   limited_command.for_tick = device_tick_.value_or(0);
   limited_command.valid_ticks =
       static_cast<std::int32_t>(command.for_tick + command.valid_ticks - tick_);
-  asked_.mode =
-      command.mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage : model::DriveMode::kTorque;
-  std::copy(std::begin(limited_command.value), std::end(limited_command.value),
-            asked_.drive.begin());
+  from_wire(limited_command, asked_);
   command_ = limited_command;
   return true;
 }

@@ -85,11 +85,7 @@ bool Integrator::on_command(const command_t& command) noexcept {
 
 model::Input Integrator::commanded() noexcept {
   model::Input input;
-  const command_t* command = gate_.acting(tick_);
-  if (command == nullptr) return input;
-  input.mode = command->mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage
-                                                     : model::DriveMode::kTorque;
-  std::copy(std::begin(command->value), std::end(command->value), input.drive.begin());
+  if (const command_t* command = gate_.acting(tick_)) from_wire(*command, input);
   return input;
 }
 

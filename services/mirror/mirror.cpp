@@ -81,11 +81,7 @@ model::Input Mirror::acted(std::int64_t tick) noexcept {
     return input;
   }
   model::Input input;
-  if (const command_t* command = gate_.acting(tick)) {
-    input.mode = command->mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage
-                                                       : model::DriveMode::kTorque;
-    std::copy(std::begin(command->value), std::end(command->value), input.drive.begin());
-  }
+  if (const command_t* command = gate_.acting(tick)) from_wire(*command, input);
   return input;
 }
 

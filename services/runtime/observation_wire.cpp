@@ -64,4 +64,10 @@ model::Observation from_wire(const state_t& state) noexcept {
   return seen;
 }
 
+void from_wire(const command_t& command, model::Input& input) noexcept {
+  input.mode =
+      command.mode == command_t::VOLTAGE_V ? model::DriveMode::kVoltage : model::DriveMode::kTorque;
+  copy(command.value, input.drive);
+}
+
 }  // namespace gyrotwin
