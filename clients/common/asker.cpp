@@ -22,8 +22,8 @@ const status_t& Asker::owner(std::int64_t patience_ns) {
   });
   if (!heard) {
     throw NotDone(fmt::format(
-        "no owner of rig {} is heard on {}: start it with `gyrotwin integrator --rig {}`, or check "
-        "--rig{}",
+        "no owner of rig {} is heard on {}: start `gyrotwin integrator --rig {}`, or `gyrotwin "
+        "hardware` for a real one, or check --rig{}",
         rig_.name, reach(rig_), rig_.file.string(), suspicion()));
   }
   return *owner_;
@@ -44,6 +44,7 @@ reply_t Asker::ask(request_t request) {
                     "answer; `gyrotwin ctl status` shows whether it still lives",
                     rig_.name, owner_->pid, get_text(owner_->host)));
   }
+  owner_->header.epoch = reply->header.epoch;  // a reset has begun a new run
   return *reply;
 }
 

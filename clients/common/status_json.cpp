@@ -50,8 +50,28 @@ Json daemon_json(const status_t& s) {
           {"bus", bus(s)}};
 }
 
+Json link_json(const link_t& l) {
+  return {
+      {"connected", l.connected != 0},
+      {"text", get_text(l.text)},
+      {"device_mode", l.device_mode < 0 ? Json(nullptr) : Json(mode_name(l.device_mode))},
+      {"device_epoch", std::to_string(l.device_epoch)},
+      {"round_trip_ns", {{"p50", l.round_trip_p50_ns}, {"max", l.round_trip_max_ns}}},
+      {"clock_offset_ns", l.clock_offset_ns},
+      {"clock_offset_sigma_ns", l.clock_offset_sigma_ns},
+      {"clock_drift_ppm", l.clock_drift_ppm},
+      {"reconnects", l.reconnects},
+      {"host", {{"received", l.host_received}, {"bad", l.host_bad}, {"dropped", l.host_dropped}}},
+      {"device",
+       {{"received", l.device_received}, {"bad", l.device_bad}, {"dropped", l.device_dropped}}},
+      {"samples_missed", l.samples_missed},
+      {"commands_obeyed", l.commands_obeyed},
+      {"safe_stops", l.safe_stops}};
+}
+
 Json owner_json(const status_t& s, const std::string& lease) {
   Json json = daemon_json(s);
+  json["plant"] = plant_name(s);
   json["clock"] = pace_name(s.clock);
   json["speed_factor"] = s.speed_factor;
   json["tick_period_ns"] = s.tick_period_ns;

@@ -44,6 +44,32 @@ std::string counts_text(std::initializer_list<Count> all, std::string_view none)
   return text.empty() ? std::string(none) : text;
 }
 
+std::string_view plant_name(const status_t& owner) {
+  return owner.service == status_t::HARDWARE ? "real" : "simulated";
+}
+
+std::string clock_text(const link_t& link) {
+  if (link.clock_offset_sigma_ns == 0) return "not known yet";
+  return fmt::format("{:+.6f} s +-{}, {:+.1f} ppm",
+                     1e-9 * static_cast<double>(link.clock_offset_ns),
+                     time_text(link.clock_offset_sigma_ns), link.clock_drift_ppm);
+}
+
+std::string line_losses_text(const link_t& link) {
+  return counts_text({{link.samples_missed, "samples missed"},
+                      {link.host_bad, "damaged"},
+                      {link.host_dropped, "never sent"},
+                      {link.device_bad, "damaged at the device"},
+                      {link.device_dropped, "never sent by it"},
+                      {link.reconnects, link.reconnects == 1 ? "time reopened" : "times reopened"}},
+                     "nothing");
+}
+
+std::string verdict_text(const health_t& health) {
+  const std::string text = get_text(health.text);
+  return text.empty() ? "settling" : text;
+}
+
 std::string overruns_text(const status_t& owner) {
   return counts_text({{owner.overruns, "ticks too late"}, {owner.skipped_ticks, "skipped"}},
                      "none");

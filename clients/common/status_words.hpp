@@ -33,6 +33,19 @@ struct Count {
 /// Those that are not 0, "3 late, 1 lost", or `none`.
 std::string counts_text(std::initializer_list<Count> all, std::string_view none);
 
+/// Whether the plant of an owner is "simulated" or "real".
+std::string_view plant_name(const status_t& owner);
+
+/// A device's clock against its host's: "+1000.000052 s +-20 us, +12.3 ppm".
+std::string clock_text(const link_t& link);
+
+/// What the line to a device has lost: "3 samples missed, 2 damaged, 1 time reopened" or
+/// "nothing".
+std::string line_losses_text(const link_t& link);
+
+/// The verdict of a twin in words.
+std::string verdict_text(const health_t& health);
+
 /// "3 ticks too late, 1 skipped" or "none".
 std::string overruns_text(const status_t& owner);
 

@@ -71,8 +71,8 @@ void add_observers(CLI::App& app, Options& options) {
 
   CLI::App* wait = app.add_subcommand("wait", "Wait for a mode, or until the platform balances");
   wait->add_option("what", options.awaited,
-                   "held, running, paused, safe_stop, fallen, fault; ready: HELD with a controller "
-                   "there; balanced: RUNNING and upright for a while")
+                   "held, running, paused, safe_stop, fallen, fault; ready: HELD, and can be "
+                   "armed; balanced: RUNNING and upright for a while")
       ->required()
       ->type_name("MODE");
   wait->add_option("--timeout", options.timeout_s, "Wall time to wait at the longest [s]")

@@ -33,7 +33,8 @@ Sighting sight(const Rig& rig, Asker& asker) {
                 .command = {},
                 .state = {},
                 .nominal_rotor_speed = {},
-                .mirror = {}};
+                .mirror = {},
+                .link = {}};
   const model::Machine machine = rig.build_machine();
   seen.nominal_rotor_speed.assign(machine.nominal_rotor_speed.begin(),
                                   machine.nominal_rotor_speed.begin() + machine.rotors);
@@ -46,13 +47,16 @@ Sighting sight(const Rig& rig, Asker& asker) {
       Bus::decode(reception, seen.controller.emplace());
     } else if (reception.channel == Channel::kMirrorStatus) {
       Bus::decode(reception, seen.mirror.emplace());
+    } else if (reception.channel == Channel::kLink) {
+      Bus::decode(reception, seen.link.emplace());
     } else if (reception.channel == Channel::kCommand) {
       Bus::decode(reception, seen.command.emplace());
     } else if (reception.channel == Channel::kState) {
       Bus::decode(reception, seen.state.emplace());
     }
     const bool lease_known = seen.owner && (seen.owner->command_writer == 0 || seen.command);
-    return lease_known && seen.controller && seen.state && (seen.mirror || !twin);
+    const bool line_known = seen.link || (seen.owner && seen.owner->service != status_t::HARDWARE);
+    return lease_known && line_known && seen.controller && seen.state && (seen.mirror || !twin);
   });
   seen.reach += asker.suspicion();
   return seen;
@@ -82,7 +86,8 @@ void wait_until_ready(Asker& asker, std::int64_t limit_ns) {
     controller |=
         reception.channel == Channel::kControllerStatus || reception.channel == Channel::kCommand;
     if (is_owner_status(reception.channel)) Bus::decode(reception, status);
-    return controller && status.mode == status_t::MODE_HELD;
+    // HELD, its text says what is in the way of arming.
+    return controller && status.mode == status_t::MODE_HELD && status.text[0] == 0;
   });
   if (ready) return;
   throw NotDone(fmt::format("not ready within {:g} s: the owner is {}, {}", seconds(limit_ns),

@@ -17,7 +17,7 @@ Sighting sight(const Rig& rig, Asker& asker);
 /// @throws NotDone when that takes longer than `limit_ns` of wall time
 void wait_for_mode(Asker& asker, Mode mode, std::int64_t limit_ns);
 
-/// Waits until the owner is HELD and a controller is heard, so that it can be armed.
+/// Waits until the owner is HELD, a controller is heard and nothing else is in the way of arming.
 /// @throws NotDone when that takes longer than `limit_ns` of wall time
 void wait_until_ready(Asker& asker, std::int64_t limit_ns);
 

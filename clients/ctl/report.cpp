@@ -53,6 +53,18 @@ std::string rotors_text(const Sighting& sighting) {
   return text + " % of their speed";
 }
 
+/// A real plant's line to its device.
+std::string link_text(const link_t& link) {
+  const std::string device =
+      link.connected != 0
+          ? fmt::format("heard on {}, it is {}", get_text(link.text), mode_name(link.device_mode))
+          : fmt::format("not heard on {}", get_text(link.text));
+  return line("device", device) + line("its clock", clock_text(link)) +
+         line("line", fmt::format("round trip p50 {}, max {}", time_text(link.round_trip_p50_ns),
+                                  time_text(link.round_trip_max_ns))) +
+         line("lost", line_losses_text(link));
+}
+
 /// "2 disturbances, 1 fault act or are to come".
 std::string events_text(const status_t& s) {
   const int count = s.disturbances + s.faults;
@@ -69,6 +81,8 @@ std::string owner_text(const Sighting& sighting) {
   const double rate = s.tick_period_ns > 0 ? 1e9 / static_cast<double>(s.tick_period_ns) : 0.0;
   std::string text = headline("owner", s);
   text += line("process", process_text(s));
+  text += line("plant", plant_name(s));
+  if (sighting.link) text += link_text(*sighting.link);
   text += line("clock",
                fmt::format("{}, {:g} Hz, speed {:g}", pace_name(s.clock), rate, s.speed_factor));
   text += line("tilt", tilt_text(sighting));
@@ -92,8 +106,10 @@ std::string listener_text(std::string_view peer, const status_t& s) {
   return text + line("bus", bus(s));
 }
 
-std::string not_heard(std::string_view peer, std::string_view program, const std::string& rig) {
-  return fmt::format("{:<12}not heard; start it with `gyrotwin {} --rig {}`\n", peer, program, rig);
+std::string not_heard(std::string_view peer, std::string_view program, const std::string& rig,
+                      std::string_view or_else = "") {
+  return fmt::format("{:<12}not heard; start it with `gyrotwin {} --rig {}`{}\n", peer, program,
+                     rig, or_else);
 }
 
 }  // namespace
@@ -120,7 +136,9 @@ std::string lease_holder(const Sighting& sighting) {
 
 std::string report(const Sighting& sighting) {
   std::string text = fmt::format("rig {} on {}\n\n", sighting.rig, sighting.reach);
-  text += sighting.owner ? owner_text(sighting) : not_heard("owner", "integrator", sighting.rig);
+  text += sighting.owner
+              ? owner_text(sighting)
+              : not_heard("owner", "integrator", sighting.rig, ", or `gyrotwin hardware`");
   text += '\n';
   text += sighting.controller ? listener_text("controller", *sighting.controller)
                               : not_heard("controller", "controller", sighting.rig);

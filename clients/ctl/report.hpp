@@ -19,6 +19,7 @@ struct Sighting {
   std::optional<state_t> state;               ///< the last one
   std::vector<double> nominal_rotor_speed{};  ///< of the rig's rotors [rad/s]
   std::optional<status_t> mirror{};           ///< many rigs have none
+  std::optional<link_t> link{};               ///< of a real plant to its device
 };
 
 /// Angle between the structure's axis and the vertical [rad], where STATE tells it.

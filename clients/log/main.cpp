@@ -72,7 +72,7 @@ int run_record(const RigOptions& rig_options, const Options& options) {
 int run_info(const Options& options) {
   Log log(options.file);
   const LogInfo info = survey(log);
-  if (info.messages == 0 && !log.catalog().about() && log.size() > 0) {
+  if (info.messages == 0 && !log.catalog().about()) {
     throw NotDone(options.file + ": no log, or nothing of one is left: not one event in " +
                   std::to_string(log.size()) + " bytes");
   }

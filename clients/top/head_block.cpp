@@ -29,12 +29,15 @@ Tone tone_of(std::int32_t mode) {
 }
 
 /// What a mode means, where the owner gives no reason for it.
-std::string_view meaning(std::int32_t mode) {
-  switch (mode) {
+std::string_view meaning(const status_t& owner) {
+  const bool real = owner.service == status_t::HARDWARE;
+  switch (owner.mode) {
     case status_t::MODE_HELD:
-      return "held at its initial state; `gyrotwin ctl arm` lets it go";
+      return real ? "propped up by hand; `gyrotwin ctl arm` lets it go"
+                  : "held at its initial state; `gyrotwin ctl arm` lets it go";
     case status_t::MODE_RUNNING:
-      return "the physics runs, commands are obeyed";
+      return real ? "the plant is free, commands are obeyed"
+                  : "the physics runs, commands are obeyed";
     case status_t::MODE_PAUSED:
       return "time stands still; `gyrotwin ctl resume` lets it go on";
     default:
@@ -47,15 +50,16 @@ Lines mode_lines(const View& view) {
   if (!owner) {
     Line line;
     line.put("owner NOT HEARD", Tone::kBad);
-    line.put("  start it with `gyrotwin integrator --rig " + view.facts.name + "`");
-    return {line};
+    line.put("  start `gyrotwin integrator --rig " + view.facts.name + "`");
+    return {line, Line().put("                 or `gyrotwin hardware`, where it is real")};
   }
   const status_t& status = owner->message;
   const std::string mode(mode_name(status.mode));
   Lines lines;
   std::string why = get_text(status.text);
   if (owner->live()) {
-    lines.emplace_back().put(mode, tone_of(status.mode)).put("  ");
+    lines.emplace_back().put(mode, tone_of(status.mode));
+    lines.back().put(fmt::format(" ({})  ", plant_name(status)));
   } else {
     lines.emplace_back().put("owner NOT HEARD", Tone::kBad).put("  ");
     why = fmt::format("last heard {}, then {}{}{}", ago(owner->age_ns), mode,
@@ -63,7 +67,7 @@ Lines mode_lines(const View& view) {
   }
   const std::size_t indent = lines.front().width();
   const Tone tone = why.empty() ? Tone::kFaint : Tone::kPlain;
-  if (why.empty()) why = meaning(status.mode);
+  if (why.empty()) why = meaning(status);
   const std::size_t room = std::max(view.columns, indent + kNarrowestText) - indent;
   for (const std::string& part : wrap(why, room)) {
     if (lines.back().width() > indent) lines.emplace_back().tab(indent);

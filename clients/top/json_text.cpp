@@ -43,6 +43,12 @@ Json heard_json(const Heard<Message>& heard) {
           {"sim_time_ns", header.sim_time_ns}};
 }
 
+Json line_json(const Heard<link_t>& heard) {
+  Json json = heard_json(heard);
+  json.update(link_json(heard.message));
+  return json;
+}
+
 /// The first `n` entries, null when they mean nothing.
 template <std::size_t N>
 Json some(const double (&values)[N], int n, bool valid) {
@@ -57,7 +63,7 @@ Json state_json(const Heard<state_t>& heard, const RigFacts& facts) {
   const bool disc = valid(state_t::VALID_DISC), gimbals = valid(state_t::VALID_GIMBALS);
   Json json = heard_json(heard);
   json["mode"] = mode_name(s.mode);
-  json["estimated"] = facts.estimated;
+  json["estimated"] = facts.is_estimate(s);
   json["tilt_rad"] = some(s.tilt_rad, 2, tilt);
   json["tilt_rate_rad_s"] = some(s.tilt_rate_rad_s, 2, tilt);
   json["disc_tilt_rad"] = some(s.disc_tilt_rad, 2, disc_tilt);
@@ -188,6 +194,7 @@ std::string json_text(const Picture& picture, const RigFacts& facts, std::int64_
   const Peer& mirror = picture.mirror;
   json["mirror"] = mirror ? peer_json(*mirror, daemon_json(mirror->message)) : Json(nullptr);
   json["twin"] = twin_json(picture);
+  json["link"] = picture.link ? line_json(*picture.link) : Json(nullptr);
   json["measured_speed_factor"] = picture.speed ? Json(*picture.speed) : Json(nullptr);
   json["state"] = picture.state ? state_json(*picture.state, facts) : Json(nullptr);
   json["truth"] = picture.truth ? truth_json(*picture.truth, facts) : Json(nullptr);

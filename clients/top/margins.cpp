@@ -39,9 +39,10 @@ Margins margins_of(const Picture& picture, const RigFacts& facts) {
     if (!std::isfinite(left)) continue;
     margins.gimbal[i] = margin(left, facts.upper_stop[i] - facts.lower_stop[i], kCloseStop);
   }
-  for (int i = 0; i < facts.drives && truth != nullptr; ++i) {
+  for (int i = 0; i < facts.drives && (state.valid & state_t::VALID_DRIVES) != 0; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double left = truth->drive_margin_nm[k];
+    const double left = truth != nullptr ? truth->drive_margin_nm[k] : facts.drive_margin(i, state);
+    if (!std::isfinite(left)) continue;
     margins.drive[k] = margin(left, left + std::abs(state.drive_torque_nm[k]), kCloseDrive);
   }
   return margins;

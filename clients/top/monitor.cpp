@@ -84,18 +84,16 @@ void Monitor::hear(const Reception& reception, const Moment& now) {
     case Channel::kMirrorStatus:
       on_status(mirror_, decoded(status_t{}), now);
       break;
-    case Channel::kHealth: {
-      const auto health = decoded(health_t{});
-      if (of_this_run(health.header)) health_ = {health, now.mono_ns};
+    case Channel::kHealth:
+      on_health(decoded(health_t{}), now);
       break;
-    }
-    case Channel::kForecast: {
-      const auto forecast = decoded(forecast_t{});
-      if (of_this_run(forecast.header)) forecast_ = {forecast, now.mono_ns};
+    case Channel::kForecast:
+      on_forecast(decoded(forecast_t{}), now);
       break;
-    }
-    case Channel::kSensors:
     case Channel::kLink:
+      on_link(decoded(link_t{}), now);
+      break;
+    case Channel::kSensors:
     case Channel::kTwinState:
       break;  // their traffic is counted
   }
@@ -144,6 +142,41 @@ void Monitor::on_status(Followed& peer, const status_t& status, const Moment& no
   if (&peer == &owner_ && before->message.header.epoch != status.header.epoch) {
     happen(now, Level::kInfo, peer.name, "a new run begins, ticks count from 0");
   }
+}
+
+void Monitor::on_health(const health_t& health, const Moment& now) {
+  if (!of_this_run(health.header)) return;
+  const std::optional<Kept<health_t>> before = std::exchange(health_, {{health, now.mono_ns}});
+  const health_t was = before ? before->message : health_t{};
+  if (was.verdict == health.verdict && was.blame == health.blame &&
+      was.blamed_index == health.blamed_index) {
+    return;
+  }
+  Level level = Level::kInfo;
+  if (health.verdict == health_t::AGREES) level = Level::kGood;
+  if (health.verdict == health_t::DISAGREES) level = Level::kBad;
+  happen(now, level, "twin", verdict_text(health));
+}
+
+void Monitor::on_forecast(const forecast_t& forecast, const Moment& now) {
+  if (!of_this_run(forecast.header)) return;
+  const std::optional<Kept<forecast_t>> before =
+      std::exchange(forecast_, {{forecast, now.mono_ns}});
+  const bool falls = forecast.outcome == forecast_t::FALLS;
+  const bool fell = before && before->message.outcome == forecast_t::FALLS;
+  if (falls == fell) return;
+  happen(now, falls ? Level::kBad : Level::kGood, "forecast",
+         falls ? fmt::format("it falls in {}", time_text(forecast.falls_in_ns)) : "it stands");
+}
+
+void Monitor::on_link(const link_t& link, const Moment& now) {
+  if (!of_this_run(link.header)) return;
+  const std::optional<Kept<link_t>> before = std::exchange(link_, {{link, now.mono_ns}});
+  if (before && (before->message.connected != 0) == (link.connected != 0)) return;
+  const bool connected = link.connected != 0;
+  happen(now, connected ? Level::kGood : Level::kWarning, "line",
+         fmt::format("the device is {} on {}", connected ? "heard" : "not heard",
+                     get_text(link.text)));
 }
 
 void Monitor::on_reply(const reply_t& reply, const Moment& now) {
@@ -261,6 +294,7 @@ Picture Monitor::picture(const Moment& now) const {
   if (mirror_.status) picture.mirror = mirror_.status->at(now);
   if (health_) picture.health = health_->at(now);
   if (forecast_) picture.forecast = forecast_->at(now);
+  if (link_) picture.link = link_->at(now);
   if (state_) picture.state = state_->at(now);
   if (truth_) picture.truth = truth_->at(now);
   picture.latest = latest();

@@ -53,6 +53,9 @@ class Monitor {
 
   void on_status(Followed& peer, const status_t& status, const Moment& now);
   bool is_rival(Followed& peer, const status_t& status, const Moment& now);
+  void on_health(const health_t& health, const Moment& now);
+  void on_forecast(const forecast_t& forecast, const Moment& now);
+  void on_link(const link_t& link, const Moment& now);
   void on_reply(const reply_t& reply, const Moment& now);
   void schedule(const reply_t& reply, const request_t* request);
   const request_t* request_of(const reply_t& reply) const;
@@ -67,6 +70,7 @@ class Monitor {
   std::optional<Kept<truth_t>> truth_;
   std::optional<Kept<health_t>> health_;
   std::optional<Kept<forecast_t>> forecast_;
+  std::optional<Kept<link_t>> link_;
   std::optional<command_t> command_;
   std::array<std::optional<std::int64_t>, kChannels.size()> heard_at_{};
   BusCounters bus_;

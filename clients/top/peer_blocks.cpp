@@ -26,14 +26,16 @@ std::string brief(std::int64_t p50, std::int64_t p99, std::int64_t max) {
   return fmt::format("{}/{}/{}", brief(p50), brief(p99), brief(max));
 }
 
-/// Name, and mode of one who is heard, or what to do.
+/// Name, and mode of one who is heard, or what to do; for the owner the head says it.
 Line peer_line(const View& view, std::string_view name, std::string_view program,
                const Peer& peer) {
   Line line;
   line.put(name).tab(kMode);
   if (!peer) {
-    return line.put("NOT HEARD", Tone::kBad)
-        .put(fmt::format("  start it with `gyrotwin {} --rig {}`", program, view.facts.name));
+    line.put("NOT HEARD", Tone::kBad);
+    if (program.empty()) return line;
+    return line.put(
+        fmt::format("  start it with `gyrotwin {} --rig {}`", program, view.facts.name));
   }
   if (peer->live()) return line.put(mode_name(peer->message.mode), Tone::kGood);
   return line.put("NOT HEARD", Tone::kBad)
@@ -42,6 +44,34 @@ Line peer_line(const View& view, std::string_view name, std::string_view program
 }
 
 bool live(const Peer& peer) { return peer && peer->live(); }
+
+/// Of a real plant to its device: connected, or why not.
+Line line_line(const Heard<link_t>& heard) {
+  const link_t& link = heard.message;
+  Line line;
+  line.put("line").tab(kMode);
+  if (!heard.live()) {
+    return line.put("NOT HEARD", Tone::kBad).put("  last " + ago(heard.age_ns));
+  }
+  if (link.connected != 0) return line;
+  return line.put("NOT CONNECTED", Tone::kBad).put("  " + get_text(link.text));
+}
+
+bool connected(const Heard<link_t>& heard) { return heard.live() && heard.message.connected != 0; }
+
+Line line_short(const Heard<link_t>& heard) {
+  const link_t& link = heard.message;
+  Line line = line_line(heard);
+  if (!connected(heard)) return line;
+  line.put(fmt::format("round trip {}/{}", brief(link.round_trip_p50_ns),
+                       brief(link.round_trip_max_ns)));
+  line.put(fmt::format("  clock {:+.1f} s", 1e-9 * static_cast<double>(link.clock_offset_ns)));
+  const std::int64_t to_device = link.device_bad + link.host_dropped;
+  line.put(fmt::format("  lost {} in, {} out", link.samples_missed, to_device),
+           link.samples_missed + to_device != 0 ? Tone::kWarning : Tone::kPlain);
+  if (link.reconnects != 0) line.put(fmt::format("  reopened {}", link.reconnects), Tone::kWarning);
+  return line;
+}
 
 Lines peers_short(const View& view) {
   constexpr std::size_t kProcess = 22, kHeard = 41, kLate = 47, kComputes = 64;
@@ -62,9 +92,10 @@ Lines peers_short(const View& view) {
     if (paced) line.put(brief(s.lateness_p50_ns, s.lateness_p99_ns, s.lateness_max_ns));
     line.tab(kComputes).put(brief(s.compute_p50_ns, s.compute_p99_ns, s.compute_max_ns));
   };
-  row("owner", "integrator", picture.owner, true);
+  row("owner", "", picture.owner, true);
   row("controller", "controller", picture.controller, false);
   if (picture.mirror) row("mirror", "mirror", picture.mirror, false);
+  if (picture.link) lines.push_back(line_short(*picture.link));
   return lines;
 }
 
@@ -91,10 +122,23 @@ void process_details(const View& view, const Heard<status_t>& peer, Lines& lines
   detail(view, lines, "computes", legend(s.compute_p50_ns, s.compute_p99_ns, s.compute_max_ns));
 }
 
+void line_details(const View& view, const Heard<link_t>& heard, Lines& lines) {
+  const link_t& link = heard.message;
+  lines.push_back(line_line(heard));
+  if (!connected(heard)) return;
+  lines.back().put("CONNECTED", Tone::kGood).put("  " + get_text(link.text));
+  detail(view, lines, "device", std::string(mode_name(link.device_mode)));
+  detail(view, lines, "round trip",
+         brief(link.round_trip_p50_ns) + "/" + brief(link.round_trip_max_ns) + " (p50/max)");
+  detail(view, lines, "clock", clock_text(link));
+  const std::string lost = line_losses_text(link);
+  detail(view, lines, "lost", lost, lost == "nothing" ? Tone::kPlain : Tone::kWarning);
+}
+
 Lines peers_full(const View& view) {
   const auto& [owner, controller] = std::tie(view.picture.owner, view.picture.controller);
   Lines lines{rule(view, {{0, "who"}})};
-  lines.push_back(peer_line(view, "owner", "integrator", owner));
+  lines.push_back(peer_line(view, "owner", "", owner));
   if (live(owner)) {
     const status_t& s = owner->message;
     process_details(view, *owner, lines);
@@ -110,6 +154,7 @@ Lines peers_full(const View& view) {
   const Peer& mirror = view.picture.mirror;
   if (mirror) lines.push_back(peer_line(view, "mirror", "mirror", mirror));
   if (live(mirror)) process_details(view, *mirror, lines);
+  if (view.picture.link) line_details(view, *view.picture.link, lines);
   return lines;
 }
 

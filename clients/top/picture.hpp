@@ -67,6 +67,7 @@ struct Picture {
   std::optional<Heard<truth_t>> truth;
   std::optional<Heard<health_t>> health;  ///< of the twin
   std::optional<Heard<forecast_t>> forecast;
+  std::optional<Heard<link_t>> link;  ///< of a real plant to its device
   std::optional<command_t> command;
   std::optional<double> speed;  ///< simulated over wall time, measured over the last second
   std::array<ChannelTraffic, kChannels.size()> channels;

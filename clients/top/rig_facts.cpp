@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "services/runtime/observation_wire.hpp"
 #include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {
@@ -12,9 +13,20 @@ double RigFacts::stop_margin(int j, double angle) const {
   return std::min(angle - lower_stop[i], upper_stop[i] - angle);
 }
 
+double RigFacts::drive_margin(int i, const state_t& state) const {
+  const double rate = machine.drive_rate(i, machine.recall(from_wire(state)));
+  const auto [low, high] = machine.drives[static_cast<std::size_t>(i)].range(rate);
+  const double torque = state.drive_torque_nm[i];
+  return torque >= 0.0 ? high - torque : torque - low;
+}
+
+bool RigFacts::is_estimate(const state_t& state) const {
+  return estimated || state.header.source == header_t::HARDWARE;
+}
+
 RigFacts facts_of(const Rig& rig) {
-  const model::Machine machine = rig.build_machine();
-  RigFacts facts;
+  RigFacts facts{.machine = rig.build_machine()};
+  const model::Machine& machine = facts.machine;
   facts.name = rig.name;
   facts.reach = reach(rig);
   facts.fall_tilt = rig.safety.fall_tilt_rad;

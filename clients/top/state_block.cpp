@@ -212,7 +212,8 @@ Lines state_block(const View& view, Detail detail) {
   if (!heard) {
     return {rule(view, {{0, "state"}}), Line().put("  STATE was not heard yet", Tone::kFaint)};
   }
-  std::string title = view.facts.estimated ? "state, as estimated on board" : "state";
+  std::string title =
+      view.facts.is_estimate(heard->message) ? "state, as estimated on board" : "state";
   if (!heard->live()) title += ": STALE, heard " + ago(heard->age_ns) + ", marked ?";
   if ((heard->message.valid & state_t::VALID_TILT) != 0) {
     title += fmt::format(", bars to +-{:.1f} deg", degrees(view.facts.fall_tilt));

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "clients/common/status_words.hpp"
 #include "clients/common/tilt.hpp"
 #include "clients/top/blocks.hpp"
 #include "services/runtime/text.hpp"
@@ -24,8 +25,7 @@ Line health_row(const Heard<health_t>& heard) {
   if (health.verdict == health_t::AGREES) tone = Tone::kGood;
   if (health.verdict == health_t::DISAGREES) tone = Tone::kBad;
   if (!heard.live()) tone = Tone::kFaint;
-  const std::string text = get_text(health.text);
-  return line.put(text.empty() ? "settling" : text, tone);
+  return line.put(verdict_text(health), tone);
 }
 
 Line forecast_row(const Heard<forecast_t>& heard) {

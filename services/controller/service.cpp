@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kStatusPeriod = kSecond / 10;
-constexpr std::int64_t kOwnerPatience = kSecond / 2;  // five STATUS messages missing
-constexpr std::int64_t kActive = kSecond / 5;         // a COMMAND that recent
+constexpr std::int64_t kActive = kSecond / 5;  // a COMMAND that recent
 
 }  // namespace
 
@@ -21,6 +20,7 @@ ControllerService::ControllerService(const Rig& rig, Bus& bus, Clock& clock, Dae
     : bus_(bus),
       clock_(clock),
       daemon_(daemon),
+      owner_(daemon),
       epoch_(random_id()),
       controller_(rig, random_id()),
       on_(on) {}
@@ -61,19 +61,9 @@ void ControllerService::on_state(const state_t& state, std::int64_t now) noexcep
 }
 
 void ControllerService::on_owner(const status_t& status, std::int64_t now) noexcept {
-  if (said_lost_ || status.header.epoch != owner_.header.epoch || status.mode != owner_.mode) {
-    daemon_.log(LogLevel::kInfo, "owner {} on {}: {} {}", status.pid, text_view(status.host),
-                mode_name(status.mode), text_view(status.text));
-  }
+  owner_.hear(status, now);
   if (status.header.epoch != controller_.owner_epoch()) epoch_ = random_id();
-  said_lost_ = false;
-  owner_ = status;
-  owner_heard_ = now;
   controller_.on_owner(status);
-}
-
-bool ControllerService::owner_lost(std::int64_t now) const noexcept {
-  return owner_heard_ < 0 || now - owner_heard_ > kOwnerPatience;
 }
 
 /// Nothing takes its place: without commands the owner stops safely.
@@ -94,23 +84,22 @@ void ControllerService::report(std::int64_t now) noexcept {
   const bool active = answered_at_ >= 0 && now - answered_at_ < kActive;
   status.mode = status_t::MODE_WAITING;
   if (active) status.mode = status_t::MODE_ACTIVE;
-  if (owner_lost(now)) {
-    set_text(status.text, "no owner is heard: start gyrotwin-integrator with the same rig file");
-    if (!said_lost_) daemon_.log(LogLevel::kWarning, "the owner is silent");
-    said_lost_ = true;
+  if (owner_.lost(now, status)) {
+    // Its text says so.
   } else if (twin_lost(now)) {
     set_text(status.text, "no TWIN/STATE is heard, so no commands: start gyrotwin-mirror");
     if (!said_twin_lost_) daemon_.log(LogLevel::kWarning, "the twin is silent: no more commands");
     said_twin_lost_ = true;
   } else if (!active) {
-    set_text(status.text, "the owner is {}", mode_name(owner_.mode));
+    set_text(status.text, "the owner is {}", mode_name(owner_.last().mode));
   }
   fill_process(status, identity_, bus_.counters());
   status.compute_p50_ns = compute_.p50();
   status.compute_p99_ns = compute_.p99();
   status.compute_max_ns = compute_.max();
+  const header_t& owner = owner_.last().header;
   bus_.send(Channel::kControllerStatus, status,
-            {epoch_, ++status_sequence_, owner_.header.tick, owner_.header.sim_time_ns});
+            {epoch_, ++status_sequence_, owner.tick, owner.sim_time_ns});
 }
 
 }  // namespace gyrotwin

@@ -6,6 +6,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
 #include "services/runtime/histogram.hpp"
+#include "services/runtime/owner_watch.hpp"
 #include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {
@@ -30,26 +31,23 @@ class ControllerService {
   void on_state(const state_t& state, std::int64_t now) noexcept;
   void on_owner(const status_t& status, std::int64_t now) noexcept;
   void report(std::int64_t now) noexcept;
-  bool owner_lost(std::int64_t now) const noexcept;
   bool twin_lost(std::int64_t now) const noexcept;
 
   Bus& bus_;
   Clock& clock_;
   Daemon& daemon_;
+  OwnerWatch owner_;
   std::int64_t epoch_;  // of what it sends; a new one for every run of the owner
   Controller controller_;
   Feedback on_;
 
   Identity identity_;
-  status_t owner_{};               // the last STATUS of the owner
-  std::int64_t owner_heard_ = -1;  // wall time; -1: never
   std::int64_t state_heard_ = -1;  // wall time, of whom it is on; -1: never
   std::int64_t answered_at_ = -1;  // wall time of the last COMMAND
   std::int64_t status_due_ = 0;    // wall time
   std::int64_t window_due_ = 0;    // wall time at which the statistics roll
   std::int64_t status_sequence_ = 0;
-  bool said_lost_ = true;       // nothing to say before an owner was there
-  bool said_twin_lost_ = true;  // nor before a twin was
+  bool said_twin_lost_ = true;  // nothing to say before a twin was there
   WindowedHistogram compute_;   // STATE received to COMMAND sent
 };
 

@@ -15,6 +15,10 @@ namespace {
 
 // Beats of a device that does not run although its owner does, before that is a stop.
 constexpr int kPatientBeats = 10;
+// Stamps and counts of a device are below this [ns], and sums of some of them within 63 bits.
+constexpr std::int64_t kLast = std::int64_t{1} << 60;
+// How far the rate of the device's samples may be off [1].
+constexpr double kRateTolerance = 0.01;
 
 const Rig& suited(const Rig& rig) {
   if (!rig.sensors) {
@@ -87,9 +91,16 @@ void Hardware::new_device(std::int64_t epoch) noexcept {
   device_epoch_ = epoch;
   device_tick_.reset();
   device_mode_.reset();
+  rate_.forget();
   has_estop_ = false;
   rotors_asked_.reset();
   estimator_.forget();
+}
+
+bool Hardware::plausible(const header_t& header) const noexcept {
+  const auto counts = [](std::int64_t x, std::int64_t end) { return x >= 0 && x < end; };
+  return header.rig_id == rig_.id && header.epoch >= 0 && header.epoch != epoch() &&
+         counts(header.tick, kLast / rig_.loop.tick_ns()) && counts(header.sim_time_ns, kLast);
 }
 
 bool Hardware::on_sample(const sensors_t& sample) noexcept {
@@ -98,10 +109,11 @@ bool Hardware::on_sample(const sensors_t& sample) noexcept {
   if (ticks_gone <= 0) return false;
   device_tick_ = sample.header.tick;
   missed_ += ticks_gone - 1;
+  rate_.on_sample(sample.header.tick, sample.header.sim_time_ns);
   sensors_ = sample;
   has_estop_ = has_estop_ || (sample.valid & sensors_t::VALID_ESTOP);
   estimate(ticks_gone);
-  if (ticks(mode())) tick_ += ticks_gone;
+  if (ticks(mode())) tick_ = std::min(tick_ + ticks_gone, kLast / rig_.loop.tick_ns());
   judge();
   return true;
 }
@@ -184,10 +196,49 @@ void Hardware::fill(status_t& status) const noexcept {
   status.service = status_t::HARDWARE;
   status.clock = status_t::PACE_REALTIME;
   status.speed_factor = 1.0;
-  if (status.text[0] == 0 && !connected_) {
-    set_text(status.text, "the device is not heard: check cable and power");
+  if (status.text[0] != 0) return;
+  if (mode() == Mode::kHeld) {
+    hindered(status.text);
+  } else {
+    troubled(status.text);
   }
-  if (status.text[0] == 0 && pressed()) set_text(status.text, "the E-stop is pressed");
+}
+
+bool Hardware::troubled(Text& why) const noexcept {
+  if (!connected_) {
+    set_text(why, "the device is not heard: check cable and power");
+    return true;
+  }
+  if (pressed()) {
+    set_text(why, "the E-stop is pressed; release it first");
+    return true;
+  }
+  if (!rate_.known()) return false;
+  const double hz = rate_.hz() * (1.0 + clock_drift_);
+  if (std::abs(hz / rig_.loop.rate_hz - 1.0) <= kRateTolerance) return false;
+  set_text(why,
+           "the device samples at {:.1f} Hz, loop.rate_hz is {:g}: set its firmware or the rig", hz,
+           rig_.loop.rate_hz);
+  return true;
+}
+
+bool Hardware::hindered(Text& why) const noexcept {
+  if (troubled(why)) return true;
+  if (!device_mode_) {
+    set_text(why, "the device has not told its mode yet; arm again");
+  } else if (*device_mode_ != status_t::MODE_HELD) {
+    set_text(why, "the device is still in {}; wait a moment, then arm again",
+             mode_name(*device_mode_));
+  } else if (!rate_.known()) {
+    set_text(why, "the device's rate is not known yet: that takes 0.5 s of stamped samples");
+  } else if (machine_.layout.tilts() > 0 && !(estimator_.valid() & state_t::VALID_TILT)) {
+    set_text(why, "the tilt is not known: gyro and accelerometer are silent");
+  } else if (machine_.tilt(machine_.recall(estimator_.seen())) > rig_.safety.fall_tilt_rad) {
+    set_text(why, "the tilt is beyond safety.fall_tilt_rad; prop the platform upright");
+  } else {
+    return false;
+  }
+  return true;
 }
 
 void Hardware::fill(link_t& link) const noexcept {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "messages/channels.hpp"
+#include "services/hardware/sample_rate.hpp"
 #include "services/model/machine.hpp"
 #include "services/onboard/estimator.hpp"
 #include "services/runtime/owner.hpp"
@@ -23,6 +24,9 @@ class Hardware final : public Owner {
 
   bool on_command(const command_t& command) noexcept override;
 
+  /// Whether a device of this rig can have said what begins like that: of this rig, by somebody
+  /// else than the owner, with stamps and counts that can be added and subtracted.
+  bool plausible(const header_t& header) const noexcept;
   /// A sample of the device: the next tick where time goes on. Samples left out are ticks gone by.
   /// @return whether it is news
   bool on_sample(const sensors_t& sample) noexcept;
@@ -35,6 +39,8 @@ class Hardware final : public Owner {
   bool overdue(std::int64_t now, reply_t& reply) noexcept;
   /// The device is heard, or no longer.
   void set_connected(bool connected) noexcept { connected_ = connected; }
+  /// How much faster than the host's clock the device's runs [1].
+  void set_clock_drift(double drift) noexcept { clock_drift_ = drift; }
 
   /// The command that the device shall obey, once; within the drives' limits.
   std::optional<command_t> take_command() noexcept;
@@ -53,6 +59,7 @@ class Hardware final : public Owner {
 
  private:
   static constexpr std::size_t kPending = 8;
+  using Text = std::uint8_t[sizeof status_t::text];
   struct Pending {
     request_t request;
     bool sent = false;
@@ -71,6 +78,10 @@ class Hardware final : public Owner {
   void estimate(std::int64_t ticks) noexcept;
   void judge() noexcept;
   bool pressed() const noexcept;
+  /// What is wrong with the device in any mode. @return whether something is
+  bool troubled(Text& why) const noexcept;
+  /// What ARM would be refused for. @return whether it would
+  bool hindered(Text& why) const noexcept;
   double limited(int drive, std::int32_t mode, double value) const noexcept;
 
   model::Machine machine_;
@@ -85,6 +96,8 @@ class Hardware final : public Owner {
   std::optional<std::int32_t> device_mode_;  // as its last beat says
   std::int64_t device_epoch_ = -1;           // -1: none was heard
   std::optional<std::int64_t> device_tick_;  // of its newest sample
+  SampleRate rate_;                          // by the device's clock
+  double clock_drift_ = 0.0;                 // of the device's clock [1]
   bool has_estop_ = false;                   // in this run of the device
   std::int64_t missed_ = 0;                  // samples
   std::int64_t obeyed_ = 0;                  // commands, by the device

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -50,9 +51,30 @@ int make_raw(int terminal, int baud) {
     ::cfsetospeed(&settings, code);
   }
   if (::tcsetattr(terminal, TCSANOW, &settings) != 0) return errno;
+  // It succeeds where anything of it could be set.
+  if (baud != 0) {
+    if (::tcgetattr(terminal, &settings) != 0) return errno;
+    if (::cfgetospeed(&settings) != rate_of(baud)->code) return EINVAL;
+  }
   ::tcflush(terminal, TCIOFLUSH);
   ::ioctl(terminal, TIOCEXCL);  // no second program on the line, as far as the kernel can tell
   return 0;
+}
+
+/// What is there must be a terminal; what is not may still come.
+void check_path(const std::string& path) {
+  struct stat found {};
+  if (::stat(path.c_str(), &found) != 0) return;
+  bool terminal = S_ISCHR(found.st_mode);
+  if (terminal) {
+    const Descriptor opened(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    terminal = !opened.valid() || ::isatty(opened.get()) == 1;
+  }
+  if (terminal) return;
+  throw Error(
+      fmt::format("hardware.device = {} is no terminal; give the tty of the device's line, e.g. "
+                  "/dev/serial/by-id/..., /dev/ttyUSB0 or the --link of gyrotwin rig_emulator",
+                  path));
 }
 
 }  // namespace
@@ -60,12 +82,12 @@ int make_raw(int terminal, int baud) {
 Line::Line(std::string path, int baud) : path_(std::move(path)), baud_(baud) {
   if (baud != 0 && rate_of(baud) == nullptr) {
     std::string rates;
-    for (const Rate& rate : kRates) rates += fmt::format(" {}", rate.baud);
-    throw Error(
-        fmt::format("hardware.baud = {} is no rate of a terminal; there are{}, and 0 for a "
-                    "line that has none",
-                    baud, rates));
+    for (const Rate& rate : kRates) rates += fmt::format(" {},", rate.baud);
+    throw Error(fmt::format(
+        "hardware.baud = {} is no rate of a terminal; there are{} and 0 for a line that has none",
+        baud, rates));
   }
+  check_path(path_);
   gyrotwin_decoder_init(&decoder_);
 }
 

@@ -28,10 +28,11 @@ class Line {
  public:
   /// @param path of a tty: USB CDC, UART or pty
   /// @param baud of a UART; 0 leaves the rate as it is
-  /// @throws Error where the terminal cannot have that rate
+  /// @throws Error where the path is there and no terminal, or a terminal cannot have that rate
   Line(std::string path, int baud);
 
-  /// Opens the terminal, raw, where it is closed and there. @return whether it is open
+  /// Opens the terminal, raw and at its rate, where it is closed and there. @return whether it is
+  /// open
   bool open() noexcept;
   void close() noexcept;
   bool is_open() const noexcept { return terminal_.valid(); }

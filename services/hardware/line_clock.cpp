@@ -7,6 +7,7 @@ namespace gyrotwin {
 
 namespace {
 
+constexpr std::int64_t kLast = std::int64_t{1} << 60;  // stamps are below it [ns]
 constexpr std::size_t kFewest = 8;      // exchanges, before a line is fitted through them
 constexpr double kJitterFloor = 10e3;   // round trips this close to the shortest are alike [ns]
 constexpr std::size_t kDriftFrom = 64;  // exchanges, before their slope means something
@@ -23,7 +24,7 @@ void LineClock::forget() noexcept {
 void LineClock::on_beat(const beat_t& beat, std::int64_t now_ns) noexcept {
   // Stamps come from outside: what cannot be is passed over.
   if (beat.echo_ns <= echoed_ || beat.echo_ns > now_ns) return;
-  if (beat.heard_ns < 0 || beat.sent_ns < beat.heard_ns) return;
+  if (beat.heard_ns < 0 || beat.sent_ns < beat.heard_ns || beat.sent_ns >= kLast) return;
   echoed_ = beat.echo_ns;
   const std::int64_t there_and_back = now_ns - beat.echo_ns;
   const std::int64_t at_device = beat.sent_ns - beat.heard_ns;

@@ -45,21 +45,8 @@ bool Hardware::act(const request_t& request, const Surroundings& surroundings,
 
 bool Hardware::arm(const request_t& request, const Surroundings& surroundings,
                    reply_t& reply) noexcept {
-  if (mode() == Mode::kHeld) {
-    if (!connected_) return refuse(reply, "the device is not heard: check cable and power");
-    if (pressed()) return refuse(reply, "the E-stop is pressed; release it first");
-    if (!device_mode_) return refuse(reply, "the device has not told its mode yet; arm again");
-    if (*device_mode_ != status_t::MODE_HELD) {
-      return refuse(reply, "the device is still in {}; wait a moment, then arm again",
-                    mode_name(*device_mode_));
-    }
-    if (machine_.layout.tilts() > 0 && !(estimator_.valid() & state_t::VALID_TILT)) {
-      return refuse(reply, "the tilt is not known: gyro and accelerometer are silent");
-    }
-    if (machine_.tilt(machine_.recall(estimator_.seen())) > rig_.safety.fall_tilt_rad) {
-      return refuse(reply, "the tilt is beyond safety.fall_tilt_rad; prop the platform upright");
-    }
-  }
+  Text why;
+  if (mode() == Mode::kHeld && hindered(why)) return refuse(reply, "{}", text_view(why));
   return change_mode(request, surroundings, reply);
 }
 
@@ -110,7 +97,7 @@ bool Hardware::forward(const request_t& request, reply_t& reply) noexcept {
   const auto free = std::find(pending_.begin(), pending_.end(), std::nullopt);
   if (free == pending_.end()) return refuse(reply, "the device has not answered the last requests");
   if (request.start_tick > kLastTick) return refuse(reply, "start_tick is beyond all ticks");
-  request_t& forwarded = free->emplace().request = request;
+  request_t& forwarded = (*free = Pending{.request = request})->request;
   if (request.start_tick > 0) forwarded.start_tick += device_tick_.value_or(0) - tick_;
   return true;
 }

@@ -20,14 +20,6 @@ constexpr std::int64_t kReopen = kSecond / 2;
 constexpr std::int64_t kHeardLately = kSecond;
 constexpr std::int64_t kBeatPatience = kSecond / 10;
 
-/// What a device of this rig may say: stamps are sums and differences later.
-bool plausible(const header_t& header, const Rig& rig, std::int64_t own_epoch) {
-  constexpr std::int64_t kLast = std::int64_t{1} << 60;
-  const auto counts = [](std::int64_t x) { return x >= 0 && x < kLast; };
-  return header.rig_id == rig.id && header.epoch >= 0 && header.epoch != own_epoch &&
-         counts(header.tick) && counts(header.sim_time_ns);
-}
-
 }  // namespace
 
 HardwareService::HardwareService(const Rig& rig, Line& line, Bus& bus, Clock& clock, Daemon& daemon)
@@ -58,45 +50,16 @@ void HardwareService::run() noexcept {
 
 void HardwareService::listen(std::int64_t now) noexcept {
   while (const auto reception = bus_.receive()) {
-    switch (reception->channel) {
-      case Channel::kCommand: {
-        command_t command;
-        Bus::decode(*reception, command);
-        if (command.owner_epoch == hardware_.epoch()) desk_.hear_controller(now);
-        hardware_.on_command(command);
-        break;
-      }
-      case Channel::kRequest: {
-        request_t request;
-        Bus::decode(*reception, request);
-        on_request(request, now);
-        break;
-      }
-      case Channel::kControllerStatus:
-        desk_.hear_controller(now);
-        break;
-      case Channel::kState:
-      case Channel::kIntegratorStatus:
-      case Channel::kHardwareStatus:
-        desk_.hear_other_owner(*reception, now);
-        break;
-      default:
-        break;
-    }
+    desk_.hear(*reception, now);
+    follow_mode(now);
+    desk_.answer();
   }
-}
-
-void HardwareService::on_request(const request_t& request, std::int64_t now) noexcept {
-  reply_t reply;
-  const bool answered = desk_.ask(request, now, reply);
-  follow_mode(now);
-  if (answered) desk_.answer(reply);
 }
 
 void HardwareService::hear_device(std::int64_t now) noexcept {
   for (auto payload = line_.receive(); !payload.empty(); payload = line_.receive()) {
     const auto heard = [&](auto& message) {
-      return Line::decode(payload, message) && plausible(message.header, rig_, hardware_.epoch());
+      return Line::decode(payload, message) && hardware_.plausible(message.header);
     };
     if (sensors_t sample; heard(sample)) {
       on_sample(sample, now);
@@ -227,6 +190,7 @@ void HardwareService::publish_status(std::int64_t now) noexcept {
 
 void HardwareService::publish_link(std::int64_t now) noexcept {
   line_clock_.fit(now);
+  hardware_.set_clock_drift(1e-6 * line_clock_.drift_ppm());
   link_t link{};
   hardware_.fill(link);
   link.round_trip_p50_ns = line_clock_.round_trips().p50();

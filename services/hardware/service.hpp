@@ -22,7 +22,6 @@ class HardwareService {
   void listen(std::int64_t now) noexcept;
   void hear_device(std::int64_t now) noexcept;
   void on_sample(const sensors_t& sample, std::int64_t now) noexcept;
-  void on_request(const request_t& request, std::int64_t now) noexcept;
   void keep_line(std::int64_t now) noexcept;
   void keep_time(std::int64_t now) noexcept;
   void send_beat(std::int64_t now) noexcept;

@@ -66,6 +66,7 @@ bool IntegratorService::bridges_pause(std::int64_t now) const noexcept {
 
 /// Where wall time begins to make the ticks, or goes on to, the next one is a period away.
 void IntegratorService::follow_pace(std::int64_t now) noexcept {
+  if (integrator_.speed() != pacer_.speed()) pacer_.set_speed(integrator_.speed(), now);
   if (paced() && !was_paced_) pacer_.anchor(now);
   was_paced_ = paced();
   const bool bridging = bridges_pause(now);
@@ -109,50 +110,13 @@ void IntegratorService::await_controller(std::int64_t now) noexcept {
 
 void IntegratorService::listen(std::int64_t now) noexcept {
   while (const auto reception = bus_.receive()) {
-    switch (reception->channel) {
-      case Channel::kCommand: {
-        command_t command;
-        Bus::decode(*reception, command);
-        if (command.owner_epoch == integrator_.epoch()) desk_.hear_controller(now);
-        if (integrator_.on_command(command)) obeyed_at_ = now;
-        break;
-      }
-      case Channel::kRequest: {
-        request_t request;
-        Bus::decode(*reception, request);
-        on_request(request, now);
-        break;
-      }
-      case Channel::kControllerStatus:
-        desk_.hear_controller(now);
-        break;
-      case Channel::kState:
-      case Channel::kIntegratorStatus:
-      case Channel::kHardwareStatus:
-        desk_.hear_other_owner(*reception, now);
-        break;
-      case Channel::kReply:
-      case Channel::kTruth:
-      case Channel::kSensors:
-      case Channel::kLink:
-      case Channel::kMirrorStatus:
-      case Channel::kTwinState:
-      case Channel::kHealth:
-      case Channel::kForecast:
-        break;
-    }
+    if (desk_.hear(*reception, now)) obeyed_at_ = now;
+    follow_mode(now);
+    desk_.answer();
   }
   if (integrator_.waiting_for_controller() && integrator_.answered()) {
     integrator_.notice(Event::kControllerBack, "");
   }
-}
-
-void IntegratorService::on_request(const request_t& request, std::int64_t now) noexcept {
-  reply_t reply;
-  desk_.ask(request, now, reply);
-  if (integrator_.speed() != pacer_.speed()) pacer_.set_speed(integrator_.speed(), now);
-  follow_mode(now);
-  desk_.answer(reply);
 }
 
 /// The present tick's messages, for the first time.

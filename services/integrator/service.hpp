@@ -24,7 +24,6 @@ class IntegratorService {
   void rest(std::int64_t now) noexcept;
 
   void listen(std::int64_t now) noexcept;
-  void on_request(const request_t& request, std::int64_t now) noexcept;
   void await_controller(std::int64_t now) noexcept;
 
   void publish(std::int64_t now) noexcept;

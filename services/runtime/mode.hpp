@@ -121,6 +121,12 @@ constexpr std::string_view verb_name(std::int32_t verb) {
   return kNames[static_cast<std::size_t>(verb - 1)];
 }
 
+/// Program of an owner's status_t.service: "integrator", "hardware"; empty: no owner's.
+constexpr std::string_view owner_program(std::int32_t service) {
+  if (service == status_t::INTEGRATOR) return "integrator";
+  return service == status_t::HARDWARE ? "hardware" : "";
+}
+
 /// What SPEED takes, simulated over wall time.
 inline constexpr double kSlowestSpeed = 0.01, kFastestSpeed = 100.0;
 

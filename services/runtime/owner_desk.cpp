@@ -37,10 +37,43 @@ void claim(const Rig& rig, Bus& bus, Clock& clock, const Daemon& daemon) {
 OwnerDesk::OwnerDesk(Bus& bus, Daemon& daemon, Owner& owner, Channel status)
     : bus_(bus), daemon_(daemon), owner_(owner), status_channel_(status) {}
 
-bool OwnerDesk::controller_heard(std::int64_t now) const noexcept {
-  return lately(controller_heard_, now);
+bool OwnerDesk::hear(const Reception& reception, std::int64_t now) noexcept {
+  switch (reception.channel) {
+    case Channel::kCommand:
+      return hear_command(reception, now);
+    case Channel::kRequest:
+      hear_request(reception, now);
+      return false;
+    case Channel::kControllerStatus:
+      controller_heard_ = now;
+      return false;
+    case Channel::kState:
+    case Channel::kIntegratorStatus:
+    case Channel::kHardwareStatus:
+      hear_other_owner(reception, now);
+      return false;
+    default:
+      return false;
+  }
 }
 
+bool OwnerDesk::hear_command(const Reception& reception, std::int64_t now) noexcept {
+  command_t command;
+  Bus::decode(reception, command);
+  if (command.owner_epoch == owner_.epoch()) controller_heard_ = now;
+  return owner_.on_command(command);
+}
+
+void OwnerDesk::hear_request(const Reception& reception, std::int64_t now) noexcept {
+  request_t request;
+  Bus::decode(reception, request);
+  const Surroundings surroundings{.controller_heard = lately(controller_heard_, now),
+                                  .other_owner_heard = lately(other_owner_heard_, now),
+                                  .fresh_epoch = random_id()};
+  if (!owner_.on_request(request, surroundings, answer_.emplace())) answer_.reset();
+}
+
+/// STATE or STATUS: own messages never come back.
 void OwnerDesk::hear_other_owner(const Reception& reception, std::int64_t now) noexcept {
   other_owner_heard_ = now;
   if (!is_owner_status(reception.channel)) {
@@ -55,11 +88,9 @@ void OwnerDesk::hear_other_owner(const Reception& reception, std::int64_t now) n
   owner_.notice(Event::kConflict, text_view(why));
 }
 
-bool OwnerDesk::ask(const request_t& request, std::int64_t now, reply_t& reply) noexcept {
-  const Surroundings surroundings{.controller_heard = controller_heard(now),
-                                  .other_owner_heard = lately(other_owner_heard_, now),
-                                  .fresh_epoch = random_id()};
-  return owner_.on_request(request, surroundings, reply);
+void OwnerDesk::answer() noexcept {
+  if (answer_) answer(*answer_);
+  answer_.reset();
 }
 
 void OwnerDesk::answer(reply_t& reply) noexcept {
@@ -72,7 +103,7 @@ void OwnerDesk::answer(reply_t& reply) noexcept {
 
 void OwnerDesk::send_status(status_t& status, std::int64_t now) noexcept {
   fill_process(status, identity_, bus_.counters());
-  if (status.text[0] == 0 && !controller_heard(now)) {
+  if (status.text[0] == 0 && !lately(controller_heard_, now)) {
     set_text(status.text, "no controller is heard");
   }
   bus_.send(status_channel_, status,

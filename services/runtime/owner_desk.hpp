@@ -1,6 +1,8 @@
 // An owner's dealings with the others on the bus: claims the rig, answers, notices rivals.
 #pragma once
 
+#include <optional>
+
 #include "services/runtime/bus.hpp"
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
@@ -19,21 +21,24 @@ class OwnerDesk {
   /// @param status channel of the owner's STATUS
   OwnerDesk(Bus& bus, Daemon& daemon, Owner& owner, Channel status);
 
-  /// A controller's COMMAND for this run or its STATUS has come.
-  void hear_controller(std::int64_t now) noexcept { controller_heard_ = now; }
-  bool controller_heard(std::int64_t now) const noexcept;
-  /// STATE or STATUS of another owner: own messages never come back.
-  void hear_other_owner(const Reception& reception, std::int64_t now) noexcept;
-
-  /// Does what is asked. Its answer goes out by answer(), once a change of mode has been said.
-  /// @return whether there is an answer yet
-  bool ask(const request_t& request, std::int64_t now, reply_t& reply) noexcept;
+  /// Has the owner do what a COMMAND or a REQUEST says, and notes who else is there; the rest of
+  /// the bus is passed over. A request's answer waits for answer(), so that a change of mode is
+  /// said first.
+  /// @return whether it was a command that the owner obeys
+  bool hear(const Reception& reception, std::int64_t now) noexcept;
+  /// The answer to the request that was heard last, where there is one yet; once.
+  void answer() noexcept;
+  /// An answer that was left for later.
   void answer(reply_t& reply) noexcept;
 
   /// Adds process and bus counters, and says where no controller is heard.
   void send_status(status_t& status, std::int64_t now) noexcept;
 
  private:
+  bool hear_command(const Reception& reception, std::int64_t now) noexcept;
+  void hear_request(const Reception& reception, std::int64_t now) noexcept;
+  void hear_other_owner(const Reception& reception, std::int64_t now) noexcept;
+
   Bus& bus_;
   Daemon& daemon_;
   Owner& owner_;
@@ -41,6 +46,7 @@ class OwnerDesk {
   Identity identity_;
   std::int64_t controller_heard_ = -1;  // wall time; -1: never
   std::int64_t other_owner_heard_ = -1;
+  std::optional<reply_t> answer_;  // due
   std::int64_t status_sequence_ = 0;
   std::int64_t reply_sequence_ = 0;
 };

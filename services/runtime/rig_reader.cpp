@@ -198,7 +198,7 @@ void read_load_cell(TomlReader& reader, Rig& rig) {
 void read_wind(TomlReader& reader, Rig& rig) {
   auto table = table_if_there(reader, "wind", Need::kRequired);
   if (!table) return;
-  Rig::Wind& wind = rig.wind.emplace();
+  Rig::Wind& wind = *(rig.wind = Rig::Wind{});
   table->number("area_m2", wind.area, kPositive);
   table->number("drag_coefficient", wind.drag_coefficient, kPositive);
   table->number("pressure_height_m", wind.pressure_height, kAnyNumber);
@@ -232,7 +232,7 @@ void read_sensors(TomlReader& reader, Rig& rig) {
   auto given = table_if_there(reader, "sensors", Need::kOptional);
   if (!given) return;
   TomlReader::Table& table = *given;
-  Rig::Sensors& sensors = rig.sensors.emplace();
+  Rig::Sensors& sensors = *(rig.sensors = Rig::Sensors{});
   read_vector(reader, table, "sensors", "imu_position_m", sensors.imu_position);
   read_vector(reader, table, "sensors", "imu_orientation_rad", sensors.imu_orientation);
   read_imperfection(table, "gyro", "rad_s", sensors.gyro);

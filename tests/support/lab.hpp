@@ -131,6 +131,28 @@ class Lab {
     return await_status([mode](const status_t& s) { return s.mode == mode; }, limit_s);
   }
 
+  /// Kills the controller of a running rig. @return ticks from its last COMMAND to the one in which
+  /// the owner stops safely
+  std::int64_t ticks_to_safe_stop() {
+    controller->signal(SIGKILL);
+    std::int64_t last_command = -1, first_stopped = -1;
+    EXPECT_TRUE(until([&](const Reception& reception) {
+      if (reception.channel == Channel::kCommand) {
+        command_t command;
+        Bus::decode(reception, command);
+        last_command = command.for_tick;
+      } else if (reception.channel == Channel::kState) {
+        state_t state;
+        Bus::decode(reception, state);
+        if (state.mode == status_t::MODE_SAFE_STOP) first_stopped = state.header.tick;
+      }
+      return first_stopped >= 0;
+    }));
+    EXPECT_GE(last_command, 0);
+    // The STATE that says so closes the tick that began with the decision.
+    return first_stopped - 1 - last_command;
+  }
+
   const std::filesystem::path& folder() const { return folder_; }
   /// Path of the line to the emulated rig.
   std::string line() const { return (folder_ / "line").string(); }

@@ -116,12 +116,30 @@ TEST(Hardware, TheDeviceStopsWithoutItsDaemon) {
   })) << lab.emulator->output();
 }
 
+/// Its own clock says 250 Hz, ours that it is 5 % fast.
+TEST(Hardware, RefusesADeviceOfAnotherRate) {
+  Lab lab("prototype_b", kSlowTicks);
+  lab.emulator = lab.start("rig_emulator", {"--link", lab.line(), "--clock-drift-ppm", "50000"});
+  lab.owner = lab.start("hardware", {"--device", lab.line()});
+  lab.controller = lab.start("controller");
+  const status_t held = lab.await_status([](const status_t& s) {
+    return get_text(s.text).find("loop.rate_hz is 250") != std::string::npos;
+  });
+  EXPECT_EQ(held.mode, status_t::MODE_HELD);
+  EXPECT_EQ(lab.run("ctl", {"arm"}), 1);
+  EXPECT_NE(lab.said.find("loop.rate_hz is 250"), std::string::npos) << lab.said;
+}
+
 TEST(Hardware, SaysWhatIsMissing) {
   Lab lab("prototype_b");
   EXPECT_EQ(lab.run("hardware", {}), 2);
   EXPECT_NE(lab.said.find("[hardware] device"), std::string::npos) << lab.said;
-  EXPECT_EQ(lab.run("hardware", {"--device", "/dev/null", "--set", "loop.clock=free"}), 2);
+  EXPECT_EQ(lab.run("hardware", {"--device", lab.line(), "--set", "loop.clock=free"}), 2);
   EXPECT_NE(lab.said.find("loop.clock must be realtime"), std::string::npos) << lab.said;
+  EXPECT_EQ(lab.run("hardware", {"--device", "/dev/null"}), 2);
+  EXPECT_NE(lab.said.find("/dev/null is no terminal"), std::string::npos) << lab.said;
+  EXPECT_EQ(lab.run("hardware", {"--device", lab.line(), "--baud", "12345"}), 2);
+  EXPECT_NE(lab.said.find(" 115200,"), std::string::npos) << lab.said;
 }
 
 }  // namespace

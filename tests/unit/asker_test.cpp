@@ -113,6 +113,18 @@ TEST_F(AskerTest, DoesNotAskTwiceWhenTheRequestItselfBeginsANewRun) {
   EXPECT_EQ(distinct_of(owner.stop()).size(), 1u);
 }
 
+TEST_F(AskerTest, AsksTheRunThatItHasBegun) {
+  FakeOwner owner(owner_config(rig_), [](const request_t& request, std::int64_t& epoch) {
+    if (request.owner_epoch != epoch) return refused("another run");
+    ++epoch;
+    return applied();
+  });
+  Asker asker(rig_, clock_);
+  EXPECT_EQ(asker.ask(arm()).result, reply_t::APPLIED);
+  EXPECT_EQ(asker.ask(arm()).result, reply_t::APPLIED);
+  EXPECT_EQ(distinct_of(owner.stop()).size(), 2u) << "and nothing was refused on the way";
+}
+
 TEST_F(AskerTest, AsksTheNewRunWhenTheOldOneIsOver) {
   FakeOwner owner(owner_config(rig_), [](const request_t& request, std::int64_t& epoch) {
     epoch = FakeOwner::kEpoch + 1;

@@ -26,7 +26,7 @@ struct Device {
     for (double& n : sample.rotor_speed_rad_s) n = 1256.6;
     owner.set_connected(true);
     beat(status_t::MODE_HELD);
-    run(10);
+    run(600);  // its rate is known
   }
 
   void lean(double roll) {
@@ -46,6 +46,7 @@ struct Device {
   void run(int samples) {
     for (int i = 0; i < samples; ++i) {
       ++sample.header.tick;
+      sample.header.sim_time_ns += period_ns;
       owner.on_sample(sample);
       if (commanded) command(1.0);
     }
@@ -79,10 +80,17 @@ struct Device {
   }
 
   std::string why() const { return std::string(owner.why()); }
+  /// What STATUS says.
+  std::string says() const {
+    status_t status{};
+    owner.fill(status);
+    return get_text(status.text);
+  }
 
   Rig rig;
   Hardware owner;
   sensors_t sample{};
+  std::int64_t period_ns = 1'000'000;  // of its samples, by its clock
   bool commanded = false, answered = false;
   std::int64_t counter = 0, asked = 0;
 };
@@ -121,6 +129,25 @@ TEST(Hardware, TicksAreTheDevicesSamplesAndLeftOutOnesHaveGoneBy) {
   --device.sample.header.tick;  // an old one
   EXPECT_FALSE(device.owner.on_sample(device.sample));
   EXPECT_EQ(device.owner.tick(), 9);
+}
+
+TEST(Hardware, WhatADeviceCannotSayIsNotPlausible) {
+  Device device;
+  header_t header = device.sample.header;
+  header.rig_id = device.rig.id;
+  EXPECT_TRUE(device.owner.plausible(header));
+  const auto refuses = [&](auto spoil) {
+    header_t spoiled = header;
+    spoil(spoiled);
+    return !device.owner.plausible(spoiled);
+  };
+  EXPECT_TRUE(refuses([](header_t& h) { ++h.rig_id; }));
+  EXPECT_TRUE(refuses([&](header_t& h) { h.epoch = device.owner.epoch(); }));
+  EXPECT_TRUE(refuses([](header_t& h) { h.epoch = -1; }));
+  EXPECT_TRUE(refuses([](header_t& h) { h.tick = -1; }));
+  EXPECT_TRUE(refuses([](header_t& h) { h.sim_time_ns = std::int64_t{1} << 60; }));
+  EXPECT_TRUE(refuses([](header_t& h) { h.tick = (std::int64_t{1} << 60) / 1'000'000; }))
+      << "its time would not fit 63 bits";
 }
 
 TEST(Hardware, CommandsGoOutOnceWithinTheDrivesLimits) {
@@ -189,7 +216,58 @@ TEST(Hardware, IsNotArmedBeforeTheDeviceHasToldItsMode) {
   device.run(1);
   EXPECT_EQ(device.ask(request_t::ARM).result, reply_t::REFUSED);
   device.beat(status_t::MODE_HELD);
+  EXPECT_EQ(device.ask(request_t::ARM).result, reply_t::REFUSED) << "nor its rate";
+  device.run(600);
   EXPECT_EQ(device.ask(request_t::ARM).result, reply_t::APPLIED);
+}
+
+TEST(Hardware, IsNotArmedWhereTheDeviceSamplesAtAnotherRate) {
+  for (const auto& [period_ns, drift, armed] :
+       {std::tuple{1'000'000, 0.0, true}, std::tuple{1'008'000, 0.0, true},
+        std::tuple{1'012'000, 0.0, false}, std::tuple{988'000, 0.0, false},
+        std::tuple{4'000'000, 0.0, false}, std::tuple{1'012'000, 0.01, true},
+        std::tuple{1'000'000, -0.02, false}}) {
+    Device device;
+    device.owner.set_clock_drift(drift);
+    device.period_ns = period_ns;
+    device.run(3000);
+    const reply_t reply = device.ask(request_t::ARM);
+    EXPECT_EQ(reply.result, armed ? +reply_t::APPLIED : +reply_t::REFUSED) << period_ns;
+    EXPECT_EQ(device.says(), armed ? "" : get_text(reply.text)) << "STATUS says it before";
+  }
+  Device slow;
+  slow.period_ns = 4'000'000;
+  slow.run(600);
+  EXPECT_EQ(get_text(slow.ask(request_t::ARM).text),
+            "the device samples at 250.0 Hz, loop.rate_hz is 1000: set its firmware or the rig");
+}
+
+TEST(Hardware, ADeviceWhoseRateDriftsIsNamedAndGoesOn) {
+  Device device;
+  device.arm();
+  device.commanded = true;
+  device.run(600);
+  EXPECT_EQ(device.says(), "");
+  device.period_ns = 1'020'000;
+  device.run(3000);
+  EXPECT_EQ(device.owner.mode(), Mode::kRunning);
+  EXPECT_NE(device.says().find("980.4 Hz"), std::string::npos) << device.says();
+}
+
+/// A device that pauses now and then has its rate all the same, one without stamps none.
+TEST(SampleRate, IsThatOfMostPieces) {
+  SampleRate rate;
+  std::int64_t stamp = 0;
+  for (int tick = 0; tick < 4000; ++tick) {
+    stamp += tick % 100 == 0 ? 50'000'000 : 1'000'000;
+    rate.on_sample(tick, stamp);
+  }
+  ASSERT_TRUE(rate.known());
+  EXPECT_NEAR(rate.hz(), 1000.0, 1e-9);  // measured 0
+  rate.forget();
+  EXPECT_FALSE(rate.known());
+  for (int tick = 0; tick < 4000; ++tick) rate.on_sample(tick, 0);
+  EXPECT_FALSE(rate.known());
 }
 
 TEST(Hardware, StopsAfterTheTimeoutWithoutCommands) {

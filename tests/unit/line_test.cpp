@@ -10,6 +10,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <random>
 #include <vector>
 
@@ -225,14 +227,45 @@ TEST(Line, APulledCableIsNoticedAndTheLineOpensAgain) {
   }
 }
 
-TEST(Line, SaysWhatRatesThereAre) {
-  EXPECT_NO_THROW(Line("/dev/null", 115200));
+/// What Line says of a path and a rate; empty: nothing against it.
+std::string refusal(const std::string& path, int baud) {
   try {
-    Line("/dev/null", 12345);
-    FAIL();
+    const Line line(path, baud);
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("115200"), std::string::npos);
+    return error.what();
   }
+  return "";
+}
+
+TEST(Line, HasTheRateThatIsAskedFor) {
+  for (const auto& [baud, code] :
+       {std::pair{9600, B9600}, {115200, B115200}, {3000000, B3000000}}) {
+    Peer peer;
+    Line line(peer.path(), baud);
+    ASSERT_TRUE(line.open());
+    termios settings{};
+    ASSERT_EQ(::tcgetattr(line.descriptor(), &settings), 0);
+    EXPECT_EQ(::cfgetospeed(&settings), code);
+    EXPECT_EQ(::cfgetispeed(&settings), code);
+  }
+}
+
+TEST(Line, SaysWhatRatesThereAre) {
+  const std::string said = refusal("/nowhere/tty", 12345);
+  for (const char* part : {"hardware.baud = 12345", " 9600, ", " 115200, ", " 4000000"}) {
+    EXPECT_NE(said.find(part), std::string::npos) << part << " is not in " << said;
+  }
+}
+
+/// What is there and no terminal never becomes one; what is not there is a cable that may come.
+TEST(Line, IsATerminalOrNotThereYet) {
+  EXPECT_EQ(refusal("/nowhere/tty", 115200), "");
+  const std::string file = testing::TempDir() + "line_test.txt";
+  std::ofstream(file) << "no terminal";
+  for (const std::string& path : {file, testing::TempDir(), std::string("/dev/null")}) {
+    EXPECT_NE(refusal(path, 0).find("is no terminal"), std::string::npos) << path;
+  }
+  std::filesystem::remove(file);
 }
 
 TEST(Line, DoesNotAllocate) {

@@ -103,6 +103,59 @@ TEST(Monitor, TellsModesWithReasonsAndRuns) {
   EXPECT_EQ(happened(l), before + 1) << "a controller's epoch follows its owner's";
 }
 
+TEST(Monitor, TellsWhatTheTwinChangesItsMindAbout) {
+  Listening l;
+  l.hear(kOwner, owner_status());
+  health_t health{};
+  health.header = owner_status().header;
+  l.hear(Channel::kHealth, health);
+  EXPECT_EQ(happened(l), 1U) << "it settles, as every twin does at first";
+  health.verdict = health_t::AGREES;
+  set_text(health.text, "agrees");
+  l.hear(Channel::kHealth, health);
+  EXPECT_EQ(last(l), "twin: agrees");
+  l.hear(Channel::kHealth, health);
+  EXPECT_EQ(happened(l), 2U) << "once";
+  health.verdict = health_t::DISAGREES;
+  health.blame = health_t::DRIVE;
+  set_text(health.text, "disagrees: drive 0");
+  l.hear(Channel::kHealth, health);
+  EXPECT_EQ(last(l), "twin: disagrees: drive 0");
+  EXPECT_EQ(l.picture().happenings.back().level, Level::kBad);
+  health.blame = health_t::INERTIA;
+  set_text(health.text, "disagrees: inertia");
+  l.hear(Channel::kHealth, health);
+  EXPECT_EQ(last(l), "twin: disagrees: inertia") << "another reason";
+
+  forecast_t forecast{};
+  forecast.header = owner_status().header;
+  forecast.outcome = forecast_t::STANDS;
+  l.hear(Channel::kForecast, forecast);
+  EXPECT_EQ(happened(l), 4U) << "what stands is no news";
+  forecast.outcome = forecast_t::FALLS;
+  forecast.falls_in_ns = 420'000'000;
+  l.hear(Channel::kForecast, forecast);
+  EXPECT_EQ(last(l), "forecast: it falls in 420 ms");
+  forecast.outcome = forecast_t::STANDS;
+  l.hear(Channel::kForecast, forecast);
+  EXPECT_EQ(last(l), "forecast: it stands");
+}
+
+TEST(Monitor, TellsWhetherADeviceIsHeard) {
+  Listening l;
+  link_t link{};
+  set_text(link.text, "/dev/ttyUSB0");
+  link.connected = 1;
+  l.hear(Channel::kLink, link);
+  EXPECT_EQ(last(l), "line: the device is heard on /dev/ttyUSB0");
+  link.connected = 0;
+  set_text(link.text, "/dev/ttyUSB0: Input/output error");
+  l.hear(Channel::kLink, link);
+  l.hear(Channel::kLink, link);
+  EXPECT_EQ(last(l), "line: the device is not heard on /dev/ttyUSB0: Input/output error");
+  EXPECT_EQ(happened(l), 2U);
+}
+
 TEST(Monitor, TakesOnlyTheStateOfTheRunThatItFollows) {
   Listening l;
   l.hear(Channel::kState, state_at(7, 99));

@@ -60,7 +60,8 @@ Sighting everything() {
           .command = command,
           .state = state,
           .nominal_rotor_speed = {800.0, 800.0},
-          .mirror = {}};
+          .mirror = {},
+          .link = {}};
 }
 
 bool contains(const std::string& text, std::string_view part) {
@@ -72,6 +73,34 @@ TEST(Report, NamesAMirrorWhereThereIsOne) {
   EXPECT_FALSE(contains(report(seen), "mirror"));
   seen.mirror = controller();
   EXPECT_TRUE(contains(report(seen), "mirror      ACTIVE")) << report(seen);
+}
+
+TEST(Report, TellsARealPlantAndItsLine) {
+  Sighting seen = everything();
+  EXPECT_TRUE(contains(report(seen), "  plant     simulated\n")) << report(seen);
+  seen.owner->service = status_t::HARDWARE;
+  link_t& link = seen.link.emplace();
+  link.connected = 1;
+  link.device_mode = status_t::MODE_HELD;
+  link.round_trip_p50_ns = 70'000;
+  link.round_trip_max_ns = 1'250'000;
+  link.clock_offset_ns = 5'000'001'000;
+  link.clock_offset_sigma_ns = 20'000;
+  link.clock_drift_ppm = -3.0;
+  link.samples_missed = 7;
+  set_text(link.text, "/dev/ttyUSB0");
+  const std::string text = report(seen);
+  for (const char* part :
+       {"  plant     real\n", "  device    heard on /dev/ttyUSB0, it is HELD\n",
+        "  its clock +5.000001 s +-20 us, -3.0 ppm\n",
+        "  line      round trip p50 70 us, max 1.25 ms\n", "  lost      7 samples missed\n"}) {
+    EXPECT_TRUE(contains(text, part)) << part << "\nis not in\n" << text;
+  }
+  const auto json = nlohmann::json::parse(report_json(seen));
+  EXPECT_EQ(json["owner"]["plant"], "real");
+  EXPECT_EQ(json["link"]["device_mode"], "HELD");
+  link.connected = 0;
+  EXPECT_TRUE(contains(report(seen), "  device    not heard on /dev/ttyUSB0\n")) << report(seen);
 }
 
 TEST(Report, SaysWhatMatters) {

@@ -5,7 +5,9 @@
 #include <numbers>
 #include <string>
 
+#include "clients/top/margins.hpp"
 #include "clients/top/screen.hpp"
+#include "services/runtime/observation_wire.hpp"
 #include "tests/support/heard.hpp"
 
 namespace gyrotwin {
@@ -138,6 +140,62 @@ TEST(Screen, ShowsMoreWhereThereIsRoom) {
   }
 }
 
+/// The same on a line to a device.
+Listening real() {
+  Listening l;
+  status_t owner = owner_status();
+  owner.service = status_t::HARDWARE;
+  owner.header.source = header_t::HARDWARE;
+  l.hear(Channel::kHardwareStatus, owner);
+  l.hear(Channel::kControllerStatus, controller_status());
+  state_t state = leaning_state();
+  state.header.source = header_t::HARDWARE;
+  l.hear(Channel::kState, state);
+  link_t link{};
+  link.header = owner.header;
+  link.connected = 1;
+  link.device_mode = status_t::MODE_RUNNING;
+  link.round_trip_p50_ns = 70'000;
+  link.round_trip_max_ns = 451'000;
+  link.clock_offset_ns = -123'456'000'052'000;
+  link.clock_offset_sigma_ns = 20'000;
+  link.clock_drift_ppm = 12.3;
+  link.samples_missed = 12;
+  link.host_bad = 9;
+  link.device_bad = 3;
+  link.reconnects = 2;
+  set_text(link.text, "/dev/ttyUSB0");
+  l.hear(Channel::kLink, link);
+  return l;
+}
+
+TEST(Screen, SaysThatAPlantIsRealAndHowItsLineIs) {
+  expect_parts(drawn(busy(), {24, 80}), {"RUNNING (simulated)", "\nstate, bars to"});
+  const std::string narrow = drawn(real(), {24, 80});
+  expect_parts(narrow, {"RUNNING (real)  the plant is free", "state, as estimated on board",
+                        "line        round trip 70u/451u  clock -123456.0 s  lost 12 in, 3 out"});
+  for (const Size size : {Size{40, 120}, Size{60, 80}}) {
+    expect_parts(drawn(real(), size),
+                 {"RUNNING (real)", "line        CONNECTED  /dev/ttyUSB0", "70u/451u (p50/max)",
+                  "-123456.000052 s +-20 us, +12.3", "12 samples missed, 9 damaged", "reopened",
+                  "CONTROLLER/STATUS"});
+  }
+  Listening l = real();
+  l.pass(1'500'000'000);
+  expect_parts(drawn(l, {24, 80}), {"line        NOT HEARD  last 1.5 s ago"});
+}
+
+/// Without TRUTH, by motor line and limit.
+TEST(Screen, KnowsWhatADriveHasLeft) {
+  const RigFacts rig = facts();
+  const double rate = rig.machine.drive_rate(0, rig.machine.recall(from_wire(leaning_state())));
+  const double left = rig.machine.drives[0].range(rate)[1] - 11.0;
+  const Margins margins = margins_of(real().picture(), rig);
+  ASSERT_TRUE(margins.drive[0]);
+  EXPECT_DOUBLE_EQ(margins.drive[0]->left, left);
+  expect_parts(drawn(real(), {24, 80}), {fmt::format("+11.000 ({:.2f})", left).c_str()});
+}
+
 TEST(Screen, DrawsTiltWithItsSign) {
   const std::string text = drawn(busy(), {24, 80});
   // 14 cells a side stand for the fall limit of 40.1 deg.
@@ -161,16 +219,17 @@ TEST(Screen, MarksWhatIsStale) {
 }
 
 TEST(Screen, NamesWhoMustBeStarted) {
-  expect_parts(drawn(Listening(), {24, 80}),
-               {"start it with `gyrotwin integrator --rig prototype_b`",
-                "start it with `gyrotwin controller --rig "});
+  expect_parts(
+      drawn(Listening(), {24, 80}),
+      {"owner NOT HEARD  start `gyrotwin integrator --rig prototype_b`",
+       "or `gyrotwin hardware`, where it is real", "start it with `gyrotwin controller --rig "});
 }
 
 TEST(Screen, ShowsReasonsInFull) {
   Listening l;
   const std::string why(80, 'y');
   l.hear(Channel::kIntegratorStatus, owner_status(status_t::MODE_SAFE_STOP, ("x " + why).c_str()));
-  EXPECT_TRUE(contains(drawn(l, {24, 100}), why));
+  EXPECT_TRUE(contains(drawn(l, {24, 110}), why));
 }
 
 TEST(Screen, ShowsNoControlCharactersOfPeers) {
@@ -227,6 +286,20 @@ TEST(JsonText, HasEverythingWithUnits) {
   EXPECT_EQ(json["acting"][0]["what"], "sine 2 Hz: force (0, 3, 0) N");
   ASSERT_EQ(json["events"].size(), 1U) << "two were told before";
   EXPECT_EQ(json["events"][0]["who"], "reply");
+}
+
+TEST(JsonText, HasTheLineOfARealPlant) {
+  const auto simulated = nlohmann::json::parse(json_text(busy().picture(), facts(), 0));
+  EXPECT_EQ(simulated["owner"]["plant"], "simulated");
+  EXPECT_EQ(simulated["state"]["estimated"], false);
+  EXPECT_TRUE(simulated["link"].is_null());
+  const auto json = nlohmann::json::parse(json_text(real().picture(), facts(), 0));
+  EXPECT_EQ(json["owner"]["plant"], "real");
+  EXPECT_EQ(json["state"]["estimated"], true);
+  EXPECT_EQ(json["link"]["connected"], true);
+  EXPECT_EQ(json["link"]["stale"], false);
+  EXPECT_EQ(json["link"]["clock_offset_ns"], -123'456'000'052'000);
+  EXPECT_EQ(json["link"]["samples_missed"], 12);
 }
 
 TEST(JsonText, WhatIsStaleSaysSo) {
