@@ -36,13 +36,4 @@ inline std::array<double, model::kMaxDrives> calm_shares(const model::Machine& m
   return shares;
 }
 
-/// A brake no harder than such steps bear; where a motor brakes, the input as it is.
-inline void calm_down(const std::array<double, model::kMaxDrives>& lightness, double step_s,
-                      model::Input& input) noexcept {
-  if (input.mode != model::DriveMode::kBrake) return;
-  for (std::size_t i = 0; i < lightness.size(); ++i) {
-    input.drive[i] = std::min(input.drive[i], kCalm / (step_s * lightness[i]));
-  }
-}
-
 }  // namespace gyrotwin

@@ -68,7 +68,7 @@ void Filter::add_noise() noexcept {
 
 /// Nothing is learned of inertia and drives in a tick in which they do hardly anything: all there
 /// is to see then is that what the filter reckons with, walks and noise, does not come.
-void Filter::freeze(const Point& centre) noexcept {
+void Filter::freeze(const Prediction::Tick& tick, const Point& centre) noexcept {
   const int n = unknowns_.coordinates;
   frozen_ = 0;
   const auto tells = [&](int k, int rate, double sigmas) {
@@ -88,7 +88,8 @@ void Filter::freeze(const Point& centre) noexcept {
   for (std::size_t i = 0; i < blind_drive_.size(); ++i) {
     const int k = unknowns_.strength[i], rate = n + blind_drive_[i];
     if (k < 0 || blind_drive_[i] < 0) continue;
-    if (!tells(k, rate, kTelling)) frozen_ |= 1u << k;
+    if (tick.acting.mode == model::DriveMode::kBrake || !tells(k, rate, kTelling))
+      frozen_ |= 1u << k;
   }
 }
 
@@ -157,7 +158,7 @@ void Filter::predict(const Prediction::Tick& tick) noexcept {
       ++curved;
     }
   }
-  freeze(centre);
+  freeze(tick, centre);
   D_.take(moved_D_, curved);
   Z_.take(moved_Z_, curved);
   for (int c = 0; c < channels; ++c) {

@@ -52,7 +52,7 @@ class Filter {
 
  private:
   void add_noise() noexcept;
-  void freeze(const Point& centre) noexcept;
+  void freeze(const Prediction::Tick& tick, const Point& centre) noexcept;
 
   std::array<int, 2> tilt_;
   std::array<int, model::kMaxDrives> blind_drive_{-1, -1, -1,

@@ -30,7 +30,7 @@ constexpr double kRotorBandwidth = 20.0;
 constexpr double kRotorJump = 8.0;
 
 // Uncertainty at the start, beside what the sensors say: rates of gimbals and disc [rad/s], tilts
-// [rad]; at rest, and on top for each rad/s that the gyro says.
+// [rad]; at rest, and on top for each rad/s that the gyro says, or as for 1 rad/s under way.
 struct StartWidth {
   double gimbal_rate, disc_rate, tilt, disc_tilt, disc_tilt_rate;
 };
@@ -104,7 +104,7 @@ struct Follower::Core {
   Channels heard{};
   struct Repeats {
     double reading, expected;  // since it is the same
-    int count;                 // how often again
+    std::int64_t count;        // how often again
   };
   std::array<Repeats, kMaxChannels> repeats{};
   std::int32_t distrusted = 0;                 // VALID_*
@@ -145,7 +145,9 @@ void Follower::Core::start(const sensors_t& first) noexcept {
   Vector3d omega = Vector3d::Zero();
   if (turns_heard) omega = sensors.imu_axes() * Vector3d(w[0], w[1], w[2]);
   const bool moves = omega.norm() > kMoves * gyro_sigma;
-  const double turning = moves ? std::min(omega.norm(), 1.0) : 0.0;
+  // Under way it may be anywhere in a swing, even where the gyro says nothing.
+  const bool under_way = first.header.tick > 0;
+  const double turning = under_way ? 1.0 : moves ? std::min(omega.norm(), 1.0) : 0.0;
   const auto width = [turning](double StartWidth::*of) {
     return kAtRest.*of + turning * kMoving.*of;
   };
@@ -160,9 +162,9 @@ void Follower::Core::start(const sensors_t& first) noexcept {
     sigma[n + disc_tilt] = width(&StartWidth::disc_tilt_rate);
   }
 
-  // Tilt by gravity across the structure.
+  // Tilt by gravity across the structure. In a swing the accelerometer feels more than that.
   const double* f = first.acceleration_m_s2;
-  if (heard_of(kAccelerometer, f[0]) && heard_of(kAccelerometer, f[1]) &&
+  if (!under_way && heard_of(kAccelerometer, f[0]) && heard_of(kAccelerometer, f[1]) &&
       heard_of(kAccelerometer, f[2])) {
     const Vector3d up = sensors.imu_axes() * Vector3d(f[0], f[1], f[2]) / machine.gravity;
     const double sx = std::clamp(up.y(), -0.9, 0.9);

@@ -60,11 +60,13 @@ class Follower {
   Follower(const Rig& rig, const model::Machine& machine);
   ~Follower();
 
-  /// At rest (HELD) as the sensors say, with a wide uncertainty. To be called with any SENSORS of
-  /// HELD, the last one counts.
+  /// At tick 0 at rest (HELD) as the sensors say; to be called with any SENSORS of HELD, the last
+  /// one counts. At a later tick anywhere in a swing, with a wide uncertainty.
   void start(const sensors_t& first) noexcept;
   /// One tick. Ticks that the header leaves out are bridged.
-  /// @param acting what the drives did over the tick that ended with these readings: mode and drive
+  /// @param acting what the drives did over the tick that ended with these readings: mode and
+  /// drive.
+  ///        While they brake nothing is learned of drives whose current nobody measures
   void step(const sensors_t& sensors, const model::Input& acting) noexcept;
 
   /// Sensors that are judged, but not used from the next step on: sum of VALID_*, see

@@ -49,10 +49,10 @@ Forecast::Forecast(const Rig& rig, const model::Machine& machine, const Forecast
 }
 
 void Forecast::reset() noexcept {
-  lawful_ = busy_ = false;
-  moments_known_ = 0;
-  remembered_tick_ = 0;
+  busy_ = lawful_ = false;
   falls_in_row_ = shares_ = 0;
+  moments_known_ = 0;
+  now_ = {};
 }
 
 /// What has acted all the time lately, in each direction: the least of it. A push, and what the
@@ -72,13 +72,8 @@ Eigen::Vector2d Forecast::lasting_moment() const noexcept {
 }
 
 /// What the present alone does not tell: the law's memory, and for how long a moment has acted.
-void Forecast::remember(const Estimate& estimate, const header_t& at, bool lawful) noexcept {
+void Forecast::remember(const Estimate& estimate, bool lawful) noexcept {
   const double tick = rig_.loop.tick_s();
-  if (at.tick / moment_period_ != remembered_tick_ / moment_period_) {
-    moments_[moments_known_ % kMoments] = estimate.external_moment;
-    count_up(moments_known_, kMoments);
-  }
-  remembered_tick_ = at.tick;
   if (!law_) return;
   const model::Observation seen = machine_.observe(estimate.state);
   // A law that begins to act, in another run as well, remembers nothing.
@@ -90,35 +85,49 @@ void Forecast::remember(const Estimate& estimate, const header_t& at, bool lawfu
   }
 }
 
-bool Forecast::step(const Follower& follower, const header_t& at,
-                    const model::State* stopped_from) noexcept {
-  const bool lawful = stopped_from == nullptr;
-  if (!follower.estimate().state.finite()) return false;
-  remember(follower.estimate(), at, lawful);
-  if (lawful != lawful_) {
-    busy_ = false;
-    falls_in_row_ = shares_ = 0;
-    lawful_ = lawful;
+void Forecast::follow(const Estimate& estimate, const header_t& at,
+                      const model::State* stopped_from) noexcept {
+  if (!estimate.state.finite()) return;
+  if (at.tick / moment_period_ != now_.tick / moment_period_) {
+    moments_[moments_known_ % kMoments] = estimate.external_moment;
+    count_up(moments_known_, kMoments);
   }
-  const bool due = at.tick / period_ != at_.tick / period_;
+  now_ = at;
+  const bool lawful = stopped_from == nullptr;
+  remember(estimate, lawful);
+  if (!lawful) stopped_from_ = *stopped_from;
+  if (lawful == lawful_) return;
+  break_off();
+  falls_in_row_ = 0;
+  lawful_ = lawful;
+}
+
+void Forecast::break_off() noexcept {
+  busy_ = false;
+  shares_ = 0;
+  if (!alarmed()) falls_in_row_ = 0;
+}
+
+bool Forecast::work(const Follower& follower) noexcept {
+  if (!follower.estimate().state.finite()) return false;
+  const bool due = now_.tick / period_ != at_.tick / period_;
   const bool told = busy_ && mean_known_ && due;
-  if (told) conclude(at);
-  if (!busy_) begin(follower, at, stopped_from);
-  work();
+  if (told) conclude();
+  if (!busy_) begin(follower);
+  advance();
   return told;
 }
 
-void Forecast::begin(const Follower& follower, const header_t& at,
-                     const model::State* stopped_from) noexcept {
+void Forecast::begin(const Follower& follower) noexcept {
   const Estimate& estimate = follower.estimate();
   const Eigen::Vector2d lasting = lasting_moment();
-  at_ = at;
+  at_ = now_;
   busy_ = true;
   mean_known_ = false;
   outset_ = {.state = estimate.state,
              .memory = memory_,
-             .lawful = stopped_from == nullptr,
-             .stopped_from = stopped_from ? *stopped_from : model::State(),
+             .lawful = lawful_,
+             .stopped_from = stopped_from_,
              .lasting_moment = lasting,
              .fading_moment = estimate.external_moment - lasting,
              .fade_s = settings_.fade_s,
@@ -126,7 +135,7 @@ void Forecast::begin(const Follower& follower, const header_t& at,
              .drive_strength = estimate.drive_strength};
   for (double& strength : outset_.drive_strength) strength = std::clamp(strength, 0.0, 1.0);
 
-  const auto turn = static_cast<int>(kStarts * (at.tick / period_) % kDraws);
+  const auto turn = static_cast<int>(kStarts * (now_.tick / period_) % kDraws);
   const double* moments = normals_.data() + kDraws * follower.dimension();
   for (int i = 0; i < kStarts; ++i) {
     const int draw = (turn + i) % kDraws;
@@ -153,7 +162,7 @@ void Forecast::begin_start(int index) noexcept {
 }
 
 /// A tick's portion: the estimate's course, then those of as many starts as there is time for.
-void Forecast::work() noexcept {
+void Forecast::advance() noexcept {
   for (int i = 0; i < portion_; ++i) {
     if (course_.over()) {
       if (started_ > kStarts) return;
@@ -175,12 +184,12 @@ double Forecast::share() const noexcept {
   return (static_cast<double>(fallen) + (outcome_.falls() ? 1.0 : 0.0)) / (known + 1.0);
 }
 
-void Forecast::conclude(const header_t& now) noexcept {
+void Forecast::conclude() noexcept {
   falls_in_row_ = outcome_.falls() ? std::min(falls_in_row_ + 1, settings_.confirm) : 0;
-  const bool falls = falls_in_row_ >= settings_.confirm;
+  const bool falls = alarmed();
   forecast_ = {};
   forecast_.header = at_;
-  forecast_.header.sequence = now.tick / period_;
+  forecast_.header.sequence = now_.tick / period_;
   forecast_.outcome = forecast_t::STANDS;
   if (falls) forecast_.outcome = forecast_t::FALLS;
   forecast_.law = outset_.lawful ? 1 : 0;
@@ -193,7 +202,7 @@ void Forecast::conclude(const header_t& now) noexcept {
   forecast_.gimbal_margin_rad = outcome_.gimbal_margin;
   forecast_.saturates_in_ns = nanoseconds(outcome_.saturated_at);
   forecast_.fall_probability = share();
-  forecast_.age_ns = now.sim_time_ns - at_.sim_time_ns;
+  forecast_.age_ns = now_.sim_time_ns - at_.sim_time_ns;
   busy_ = false;
 }
 

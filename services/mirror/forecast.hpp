@@ -16,9 +16,9 @@ namespace gyrotwin {
 
 /// What is assumed of what no sensor shows.
 struct ForecastSettings {
-  double lasting_s = 0.3;  ///< a moment that has acted for so long lasts [s]
-  double fade_s = 0.02;    ///< what is beyond it fades with this time constant [s]
-  int confirm = 3;         ///< forecasts in a row that see it fall
+  double lasting_s = 0.15;  ///< a moment that has acted for so long lasts [s]
+  double fade_s = 0.02;     ///< what is beyond it fades with this time constant [s]
+  int confirm = 3;          ///< forecasts in a row that see it fall
 };
 
 class Forecast {
@@ -35,12 +35,16 @@ class Forecast {
 
   /// Forgets: another run.
   void reset() noexcept;
-  /// One tick, after Follower::step().
+  /// Remembers a tick, after Follower::step().
   /// @param at header of the SENSORS that the estimate is about
   /// @param stopped_from where the owner's safe stop began; null while it obeys the law
-  /// @return whether there is a new forecast
-  bool step(const Follower& follower, const header_t& at,
-            const model::State* stopped_from) noexcept;
+  void follow(const Estimate& estimate, const header_t& at,
+              const model::State* stopped_from) noexcept;
+  /// For a time in which nobody knows where the rig is: what was begun is thrown away, falls that
+  /// were seen count no more, but an alarm that stands is not taken back.
+  void break_off() noexcept;
+  /// A portion, of which at most one follows each follow(). @return whether there is a new forecast
+  bool work(const Follower& follower) noexcept;
   /// Everything but mac, as of the last new one; header.sequence counts them by the owner's time.
   void fill(forecast_t& forecast) const noexcept { forecast = forecast_; }
 
@@ -53,14 +57,14 @@ class Forecast {
     Eigen::Vector2d moment;  ///< beside the estimate's [N m]
   };
 
-  void remember(const Estimate& estimate, const header_t& at, bool lawful) noexcept;
-  void begin(const Follower& follower, const header_t& at,
-             const model::State* stopped_from) noexcept;
+  void remember(const Estimate& estimate, bool lawful) noexcept;
+  void begin(const Follower& follower) noexcept;
   void begin_start(int index) noexcept;
   void keep_mean() noexcept;
-  void work() noexcept;
-  void conclude(const header_t& now) noexcept;
+  void advance() noexcept;
+  void conclude() noexcept;
   double share() const noexcept;
+  bool alarmed() const noexcept { return falls_in_row_ >= settings_.confirm; }
   Eigen::Vector2d lasting_moment() const noexcept;
 
   const Rig& rig_;
@@ -73,13 +77,14 @@ class Forecast {
   std::vector<double> normals_;  // kDraws times the state's, then kDraws times the moment's
 
   // Kept from tick to tick.
+  header_t now_{};
   bool lawful_ = false;
+  model::State stopped_from_;  // where the safe stop began, if not lawful
   LawState memory_ = LawState::Zero();
   static constexpr int kMoments = 16;                // over the time after which a moment lasts
   std::int64_t moment_period_;                       // from one of them to the next [tick]
   std::array<Eigen::Vector2d, kMoments> moments_{};  // a ring
   int moments_known_ = 0;                            // modulo its size once it is full
-  std::int64_t remembered_tick_ = 0;
 
   // The forecast that is worked on.
   Course course_;

@@ -24,6 +24,9 @@ constexpr double kForgiving = 0.3;  // a verdict is taken back after this time [
 // Sensors must disagree for so long to be named [s]: meanwhile the filter finds out what they are
 // off by, or that something else is.
 constexpr double kNaming = 0.1;
+// Where several disagree it may be the gyro that misleads the filter, which believes it most: it is
+// left out for so long [s].
+constexpr double kTrial = 0.3;
 constexpr double kPartSettles = 0.05;  // and parts of the model for so long [s]
 constexpr double kDoubt = 60.0;        // or unsure for this time [s]
 
@@ -42,6 +45,7 @@ constexpr double kVoltage = 0.1;
 constexpr int kFew = 2;
 
 bool disagrees(const SensorJudge& judge) { return judge.verdict() == health_t::DISAGREES; }
+bool is_late(const SensorJudge& judge) { return judge.verdict() == health_t::LATE; }
 
 const Imperfection& imperfection_of(const Rig::Sensors& sensors, int sensor) {
   const std::array<const Imperfection*, kHealthSensors> all{
@@ -86,6 +90,7 @@ Health::Health(const Rig& rig, const model::Machine& machine)
       doubt_(static_cast<int>(kDoubt / rig.loop.tick_s())),
       settling_(static_cast<int>(kPartSettles / rig.loop.tick_s())),
       naming_(static_cast<int>(kNaming / rig.loop.tick_s())),
+      trial_length_(static_cast<int>(kTrial / rig.loop.tick_s())),
       toppling_(toppling_of(rig)),
       rotors_(with_sensors(rig), machine) {
   for (int s = 0; s < kHealthSensors; ++s) {
@@ -104,7 +109,7 @@ void Health::reset() noexcept {
   rotors_.reset();
   blamed_rotor_ = -1;
   losses_ = kUnknown;
-  disagreeing_ = 0;
+  disagreeing_ = trial_ = 0;
   moment_ = {};
   friction_ = inertia_ = {};
   drive_ = {};
@@ -294,6 +299,9 @@ void Health::blame(const Follower& follower) noexcept {
   health_.blamed_index = 0;
   const auto count = std::count_if(sensor_.begin(), sensor_.end(), disagrees);
   disagreeing_ = count > 0 ? std::min(disagreeing_ + 1, naming_) : 0;
+  // A sensor that is late explains what comes of it.
+  const bool explained = trial_ == 0 && std::any_of(sensor_.begin(), sensor_.end(), is_late);
+  trial_ = count > 1 && !explained ? std::min(trial_ + 1, trial_length_) : 0;
   // Where hardly a sensor agrees, what the filter makes of them says nothing of the parts.
   const bool lost = count > kFew;
   if (blame_evident_sensor(follower) || (!lost && blame_part(follower)) ||
@@ -316,8 +324,9 @@ void Health::blame(const Follower& follower) noexcept {
 std::int32_t Health::distrusted() const noexcept {
   std::int32_t sensors = 0;
   for (int s = 0; s < kHealthSensors; ++s) {
-    if (sensor_[s].verdict() == health_t::LATE) sensors |= valid_bit(s);
+    if (is_late(sensor_[s])) sensors |= valid_bit(s);
   }
+  if (trial_ > 0 && trial_ < trial_length_) sensors |= valid_bit(kGyro);
   return sensors;
 }
 

@@ -22,7 +22,8 @@ class Health {
             const model::Input& acting) noexcept;
   /// Everything but header, step times and mac.
   void fill(health_t& health) const noexcept { health = health_; }
-  /// Sensors that the follower must not use: sum of VALID_*. Those that are late.
+  /// Sensors that the follower must not use: sum of VALID_*. Those that are late; the gyro where
+  /// several begin to disagree, to see whether the others agree without it.
   std::int32_t distrusted() const noexcept;
 
  private:
@@ -49,6 +50,7 @@ class Health {
   int doubt_;            // or unsure
   int settling_;         // for which a part must be off to be named
   int naming_;           // for which sensors must disagree to be named
+  int trial_length_;     // for which the gyro is left out
   double toppling_;      // U [N m/rad]
   double supply_ = 0.0;  // nominal [V]
   std::array<SensorJudge, kHealthSensors> sensor_;
@@ -58,6 +60,7 @@ class Health {
   static constexpr int kUnknown = -1;
   int losses_ = kUnknown;  // of the follower, which counts over all runs, when it was last settled
   int disagreeing_ = 0;    // ticks on end in which some sensor has disagreed
+  int trial_ = 0;          // ticks on end in which several have
   std::array<Part, 2> moment_;
   Part friction_, inertia_;
   std::array<Part, model::kMaxDrives> drive_;

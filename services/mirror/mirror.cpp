@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "services/mirror/readings.hpp"
 #include "services/onboard/drive_torques.hpp"
 #include "services/runtime/observation_wire.hpp"
 
@@ -11,7 +12,7 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr int kSubsteps = 2;  // of the follower in a tick, at least
+constexpr double kMisfitWindow = 0.2, kWorst = 25.0;  // [s], of one sensor
 
 }  // namespace
 
@@ -20,7 +21,6 @@ Mirror::Mirror(const Rig& rig, const ForecastSettings& forecast)
       machine_(rig.build_machine()),
       gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
       safe_stop_(rig, machine_),
-      lightness_(lightness(machine_, rig.initial_state(machine_))),
       follower_(rig, machine_),
       health_(rig, machine_),
       forecast_(rig, machine_, forecast),
@@ -34,7 +34,7 @@ void Mirror::begin_run(std::int64_t epoch) noexcept {
   health_.reset();
   forecast_.reset();
   mode_before_ = status_t::MODE_HELD;
-  started_ = news_ = health_due_ = was_settled_ = from_rest_ = false;
+  started_ = portion_due_ = health_due_ = was_settled_ = from_rest_ = false;
   sensors_ = {};
   acting_ = {};
   stopped_from_.reset();
@@ -76,9 +76,7 @@ model::Input Mirror::acted(std::int64_t tick) noexcept {
   const model::State& state = follower_.estimate().state;
   if (!runs_over_last_tick()) {
     if (!stopped_from_) safe_stop_.begin(stopped_from_.emplace(state));
-    model::Input input = safe_stop_.input(state);
-    calm_down(lightness_, rig_.loop.tick_s() / kSubsteps, input);
-    return input;
+    return safe_stop_.input(state);
   }
   model::Input input;
   if (const command_t* command = gate_.acting(tick)) from_wire(*command, input);
@@ -89,28 +87,55 @@ void Mirror::watch_settling(std::int64_t tick) noexcept {
   const bool settled = follower_.settled();
   if (!started_ || (was_settled_ && !settled)) {
     unsettled_since_ = tick;
+    misfit_ = 1.0;
     from_rest_ = tick == 0;
   }
   was_settled_ = settled;
 }
 
+void Mirror::watch_misfit() noexcept {
+  double sum = 0.0;
+  int channels = 0;
+  for (int s = 0; s < kHealthSensors; ++s) {
+    const Innovation& innovation = follower_.innovations()[s];
+    // Rotor speeds are taken as they are said.
+    if (s == kRotors || innovation.channels == 0) continue;
+    sum += std::min(innovation.nis, kWorst * innovation.channels);
+    channels += innovation.channels;
+  }
+  if (channels == 0) return;
+  misfit_ += rig_.loop.tick_s() / kMisfitWindow * (sum / channels - misfit_);
+}
+
+/// Where the rig is, is known well enough for a forecast.
 bool Mirror::ripe() const noexcept {
   const std::int64_t ticks = sensors_.header.tick - unsettled_since_;
-  return started_ && static_cast<double>(ticks) * rig_.loop.tick_s() >= kRipe;
+  return started_ && static_cast<double>(ticks) * rig_.loop.tick_s() >= kRipe &&
+         misfit_ < kContradicted;
+}
+
+/// What a forecast remembers, it remembers of every tick.
+void Mirror::keep_forecast_up() noexcept {
+  if (sensors_.header.tick == 0) return;
+  const bool obeys = mode_ == status_t::MODE_RUNNING || mode_ == status_t::MODE_PAUSED;
+  if (!obeys && !stopped_from_) {
+    safe_stop_.begin(stopped_from_.emplace(follower_.estimate().state));
+  }
+  forecast_.follow(follower_.estimate(), sensors_.header, obeys ? nullptr : &*stopped_from_);
+  const bool over = mode_ == status_t::MODE_FALLEN || mode_ == status_t::MODE_FAULT;
+  portion_due_ = ripe() && !over;
+  if (!portion_due_) forecast_.break_off();
 }
 
 bool Mirror::on_sensors(const sensors_t& sensors) noexcept {
-  health_due_ = false;
+  health_due_ = portion_due_ = false;
   const header_t& before = sensors_.header;
   const header_t& now = sensors.header;
-  if (now.epoch != epoch_ || (started_ && now.sequence < before.sequence)) {
-    news_ = false;
-    return false;
-  }
-  news_ = !started_ || now.sequence > before.sequence;
+  if (now.epoch != epoch_ || (started_ && now.sequence < before.sequence)) return false;
+  const bool news = !started_ || now.sequence > before.sequence;
   // While HELD each repeat may tell of rotors that run.
   const bool at_rest = now.tick == 0;
-  if (!news_ && !at_rest) return follows();
+  if (!news && !at_rest) return follows();
 
   if (!started_ || at_rest) {
     follower_.start(sensors);
@@ -121,6 +146,7 @@ bool Mirror::on_sensors(const sensors_t& sensors) noexcept {
     acting_ = acted(now.tick - 1);
     follower_.step(sensors, acting_);
     watch_settling(now.tick);
+    watch_misfit();
     health_.take(follower_, sensors, acting_);
     follower_.distrust(health_.distrusted());
     health_due_ = now.tick / health_period_ != before.tick / health_period_;
@@ -128,18 +154,14 @@ bool Mirror::on_sensors(const sensors_t& sensors) noexcept {
   sensors_ = sensors;
   offer_early(now.tick);
   mode_before_ = mode_;
+  keep_forecast_up();
   return follows();
 }
 
 bool Mirror::look_ahead() noexcept {
-  const bool time_goes_on = news_ && sensors_.header.tick > 0;
-  news_ = false;
-  if (!time_goes_on || !ripe()) return false;
-  const bool obeys = mode_ == status_t::MODE_RUNNING || mode_ == status_t::MODE_PAUSED;
-  if (!obeys && !stopped_from_) {
-    safe_stop_.begin(stopped_from_.emplace(follower_.estimate().state));
-  }
-  return forecast_.step(follower_, sensors_.header, obeys ? nullptr : &*stopped_from_);
+  if (!portion_due_) return false;
+  portion_due_ = false;
+  return forecast_.work(follower_);
 }
 
 void Mirror::fill(state_t& state) const noexcept {

@@ -23,6 +23,9 @@ class Mirror {
   /// A follower that has lost the rig and begun anew in full motion knows enough for a forecast
   /// after so long [s], well before it has settled.
   static constexpr double kRipe = 0.2;
+  /// Of sensors that contradict the twin, per channel over 0.2 s: normalised innovation squared,
+  /// one sensor's at most 25. From there on it is not where the rig is, and nothing is forecast.
+  static constexpr double kContradicted = 3.0;
 
   /// @param rig outlives the mirror
   /// @throws Error where the rig has no [sensors]
@@ -39,7 +42,10 @@ class Mirror {
   bool on_sensors(const sensors_t& sensors) noexcept;
   /// HEALTH is due with the last SENSORS.
   bool health_due() const noexcept { return health_due_; }
-  /// A portion of forecasting, once after each on_sensors(). @return whether FORECAST is due
+  /// Time has gone by with the last SENSORS, and no portion of forecasting has been done for it.
+  bool portion_due() const noexcept { return portion_due_; }
+  /// The portion that is due. Who is behind leaves it out: forecasts come later then, but
+  /// TWIN/STATE does not. @return whether FORECAST is due
   bool look_ahead() noexcept;
 
   /// Everything but mac and the sender's clock; headers are those of the SENSORS they belong to.
@@ -61,7 +67,9 @@ class Mirror {
   model::Input acted(std::int64_t tick) noexcept;
   void begin_run(std::int64_t epoch) noexcept;
   void watch_settling(std::int64_t tick) noexcept;
+  void watch_misfit() noexcept;
   bool ripe() const noexcept;
+  void keep_forecast_up() noexcept;
 
   const Rig& rig_;
   model::Machine machine_;
@@ -69,7 +77,6 @@ class Mirror {
   std::array<command_t, 2> early_{};  // for ticks whose SENSORS are still to come
   std::size_t early_count_ = 0;
   SafeStop safe_stop_;
-  std::array<double, model::kMaxDrives> lightness_;  // of what the drives turn [1 / (kg m^2)]
   Follower follower_;
   Health health_;
   Forecast forecast_;
@@ -79,10 +86,11 @@ class Mirror {
   std::int32_t mode_ = status_t::MODE_HELD;         // newest that is known
   std::int32_t mode_before_ = status_t::MODE_HELD;  // with the SENSORS before the last
   bool started_ = false;                            // the follower has had SENSORS of this run
-  bool news_ = false;                               // the last SENSORS were no repeat
+  bool portion_due_ = false;                        // of forecasting, since the last SENSORS
   bool health_due_ = false;
   std::int64_t unsettled_since_ = 0;  // [tick]
   bool was_settled_ = false;
+  double misfit_ = 1.0;                       // of the sensors, per channel
   bool from_rest_ = false;                    // followed since it was HELD
   sensors_t sensors_{};                       // the last ones
   model::Input acting_;                       // over the tick that ended with them

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/mirror/calm_damping.hpp"
 #include "services/model/dynamics.hpp"
 #include "services/model/forces.hpp"
 
@@ -26,7 +27,8 @@ Prediction::Prediction(const Rig& rig, const model::Machine& machine, const Unkn
       substeps_(substeps_of(rig)),
       coulomb_(machine.disc_friction.coulomb),
       to_imu_(rig.sensors->imu_axes().transpose()),
-      imu_position_(rig.sensors->imu_position) {}
+      imu_position_(rig.sensors->imu_position),
+      lightness_(lightness(machine, rig.initial_state(machine))) {}
 
 /// Takes over what a point says of moment, friction, inertia and drives.
 void Prediction::set(const Tick& tick, const Point& x) noexcept {
@@ -38,6 +40,22 @@ void Prediction::set(const Tick& tick, const Point& x) noexcept {
   if (unknowns_.inertia >= 0) inertia_ = unknowns_.structure_inertia * x[unknowns_.inertia];
   for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
     if (unknowns_.strength[i] >= 0) input_.drive_strength[i] = 1.0 - x[unknowns_.strength[i]];
+  }
+}
+
+/// Steps bear no brake that holds hard: it takes longer to come to where it creeps as it should.
+void Prediction::calm_down(const Motion& motion, const State& state,
+                           Coordinates& acceleration) const noexcept {
+  const double substep = tick_s_ / substeps_;
+  for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
+    const model::Drive& drive = machine_.drives[i];
+    if (drive.motor) continue;  // its brake is soft
+    const double rate = model::rate_of(machine_, motion, drive, state);
+    const double torque = drive.torque(input_.mode, input_.drive[i], rate);
+    const double stiffness = substep * lightness_[i] * std::abs(torque);
+    if (stiffness > kCalm * std::abs(rate)) {
+      acceleration[drive.coordinate] *= kCalm * std::abs(rate) / stiffness;
+    }
   }
 }
 
@@ -55,7 +73,9 @@ Coordinates Prediction::accelerate(const State& state, const model::RotorSpeeds&
     input_.moment[i] = moment_[i] * motion.M(tilt, tilt) / modelled;
   }
   const Coordinates force = motion.f + model::all_forces(machine_, motion, state, input_);
-  return model::solve(motion.M, force, machine_.coordinates());
+  Coordinates acceleration = model::solve(motion.M, force, machine_.coordinates());
+  if (input_.mode == model::DriveMode::kBrake) calm_down(motion, state, acceleration);
+  return acceleration;
 }
 
 void Prediction::advance(const Tick& tick, Point& x) noexcept {

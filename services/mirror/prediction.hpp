@@ -32,6 +32,8 @@ class Prediction {
   void set(const Tick& tick, const Point& x) noexcept;
   model::Coordinates accelerate(const model::State& state, const model::RotorSpeeds& rotor_rate,
                                 model::Motion& motion) noexcept;
+  void calm_down(const model::Motion& motion, const model::State& state,
+                 model::Coordinates& acceleration) const noexcept;
 
   model::Machine machine_;  // of its own: each point has its own friction
   Unknowns unknowns_;
@@ -40,7 +42,8 @@ class Prediction {
   double coulomb_;          // the model's
   Eigen::Matrix3d to_imu_;  // IMU <- structure
   Eigen::Vector3d imu_position_;
-  model::Input input_;              // of the point at hand
+  model::Input input_;                               // of the point at hand
+  std::array<double, model::kMaxDrives> lightness_;  // of what the drives turn [1/(kg m^2)]
   double inertia_ = 0.0;            // added to the structure's by the point at hand [kg m^2]
   std::array<double, 2> moment_{};  // unknown, of the point at hand [N m]
 };

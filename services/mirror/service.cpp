@@ -13,6 +13,7 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kStatusPeriod = kSecond / 10;
 constexpr std::int64_t kPatience = kSecond / 2;  // five STATUS messages missing
 constexpr std::int64_t kActive = kSecond / 5;    // a TWIN/STATE that recent
+constexpr double kBehind = 3.0;                  // ticks
 
 Stamp stamp_of(const header_t& header) {
   return {header.epoch, header.sequence, header.tick, header.sim_time_ns};
@@ -21,14 +22,25 @@ Stamp stamp_of(const header_t& header) {
 }  // namespace
 
 MirrorService::MirrorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon)
-    : bus_(bus), clock_(clock), daemon_(daemon), epoch_(random_id()), mirror_(rig) {}
+    : bus_(bus),
+      clock_(clock),
+      daemon_(daemon),
+      epoch_(random_id()),
+      mirror_(rig),
+      behind_(static_cast<std::int64_t>(1e9 * kBehind * rig.loop.tick_s())) {}
 
 void MirrorService::run() noexcept {
   while (!daemon_.stopping()) {
-    listen();
-    report(clock_.now_ns());
+    round();
     bus_.wait(status_due_ - clock_.now_ns());
   }
+}
+
+/// Forecasting last: where the next SENSORS are there already, there is no time for it.
+void MirrorService::round() noexcept {
+  listen();
+  look_ahead();
+  report(clock_.now_ns());
 }
 
 void MirrorService::listen() noexcept {
@@ -53,9 +65,13 @@ void MirrorService::listen() noexcept {
   }
 }
 
-/// STATE first, that a controller may wait for; the forecast is in no hurry.
+/// STATE first, that a controller may wait for.
 void MirrorService::on_sensors(const sensors_t& sensors) noexcept {
   const std::int64_t begin = clock_.now_ns();
+  if (mirror_.portion_due()) {
+    ++left_out_;
+    step_.add(spent_);
+  }
   if (sensors.header.epoch == mirror_.owner_epoch()) sensors_heard_ = begin;
   if (mirror_.on_sensors(sensors)) {
     state_t state;
@@ -63,6 +79,7 @@ void MirrorService::on_sensors(const sensors_t& sensors) noexcept {
     bus_.send(Channel::kTwinState, state, stamp_of(state.header));
     told_ = clock_.now_ns();
     follow_.add(told_ - begin);
+    if (same_host()) age_.add(told_ - sensors.header.sender_mono_ns);
   }
   if (mirror_.health_due()) {
     health_t health;
@@ -71,12 +88,19 @@ void MirrorService::on_sensors(const sensors_t& sensors) noexcept {
     health.step_max_ns = step_.max();
     bus_.send(Channel::kHealth, health, stamp_of(health.header));
   }
+  spent_ = clock_.now_ns() - begin;
+  if (!mirror_.portion_due()) step_.add(spent_);
+}
+
+void MirrorService::look_ahead() noexcept {
+  if (!mirror_.portion_due()) return;
+  const std::int64_t begin = clock_.now_ns();
   if (mirror_.look_ahead()) {
     forecast_t forecast;
     mirror_.fill(forecast);
     bus_.send(Channel::kForecast, forecast, stamp_of(forecast.header));
   }
-  step_.add(clock_.now_ns() - begin);
+  step_.add(spent_ + clock_.now_ns() - begin);
 }
 
 void MirrorService::on_owner(const status_t& status) noexcept {
@@ -95,10 +119,17 @@ bool MirrorService::lately(std::int64_t heard, std::int64_t now) const noexcept 
   return heard >= 0 && now - heard < kPatience;
 }
 
+/// Stamps of different hosts cannot be compared.
+bool MirrorService::same_host() const noexcept {
+  return text_view(owner_.host) == std::string_view(identity_.host);
+}
+
 /// What it waits for.
 void MirrorService::explain(status_t& status, std::int64_t now) const noexcept {
   if (!lately(owner_heard_, now)) {
-    set_text(status.text, "no owner is heard: start gyrotwin-integrator with the same rig file");
+    set_text(status.text,
+             "no owner is heard: start gyrotwin-integrator or gyrotwin-hardware with the same rig "
+             "file");
   } else if (!lately(sensors_heard_, now)) {
     set_text(status.text, "owner {} on {:.24} sends no SENSORS: has its rig file [sensors]?",
              owner_.pid, text_view(owner_.host));
@@ -111,6 +142,7 @@ void MirrorService::report(std::int64_t now) noexcept {
   if (now >= window_due_) {
     follow_.roll();
     step_.roll();
+    age_.roll();
     window_due_ = now + kSecond;
   }
   if (now < status_due_) return;
@@ -121,7 +153,12 @@ void MirrorService::report(std::int64_t now) noexcept {
   const bool active = told_ >= 0 && now - told_ < kActive;
   status.mode = status_t::MODE_WAITING;
   if (active) status.mode = status_t::MODE_ACTIVE;
-  if (!active) explain(status, now);
+  if (!active) {
+    explain(status, now);
+  } else if (age_.p50() > behind_) {
+    set_text(status.text, "behind: TWIN/STATE comes {:.1f} ms after SENSORS; forecasting yields",
+             1e-6 * static_cast<double>(age_.p50()));
+  }
   if (!lately(owner_heard_, now)) {
     if (!said_lost_) daemon_.log(LogLevel::kWarning, "the owner is silent");
     said_lost_ = true;
@@ -130,6 +167,10 @@ void MirrorService::report(std::int64_t now) noexcept {
   status.compute_p50_ns = follow_.p50();
   status.compute_p99_ns = follow_.p99();
   status.compute_max_ns = follow_.max();
+  status.lateness_p50_ns = age_.p50();
+  status.lateness_p99_ns = age_.p99();
+  status.lateness_max_ns = age_.max();
+  status.overruns = left_out_;
   bus_.send(Channel::kMirrorStatus, status,
             {epoch_, ++status_sequence_, owner_.header.tick, owner_.header.sim_time_ns});
 }

@@ -19,13 +19,17 @@ class MirrorService {
 
   /// Follows until the daemon stops.
   void run() noexcept;
+  /// All that waits on the bus, then a portion of forecasting and STATUS, as far as they are due.
+  void round() noexcept;
 
  private:
   void listen() noexcept;
   void on_sensors(const sensors_t& sensors) noexcept;
+  void look_ahead() noexcept;
   void on_owner(const status_t& status) noexcept;
   void report(std::int64_t now) noexcept;
   void explain(status_t& status, std::int64_t now) const noexcept;
+  bool same_host() const noexcept;
   bool lately(std::int64_t heard, std::int64_t now) const noexcept;
 
   Bus& bus_;
@@ -42,9 +46,13 @@ class MirrorService {
   std::int64_t status_due_ = 0;      // wall time
   std::int64_t window_due_ = 0;      // wall time at which the statistics roll
   std::int64_t status_sequence_ = 0;
-  bool said_lost_ = true;     // nothing to say before an owner was there
-  WindowedHistogram follow_;  // SENSORS received to TWIN/STATE sent
-  WindowedHistogram step_;    // all work for one SENSORS
+  bool said_lost_ = true;      // nothing to say before an owner was there
+  WindowedHistogram follow_;   // SENSORS received to TWIN/STATE sent
+  WindowedHistogram step_;     // all work for one SENSORS
+  WindowedHistogram age_;      // SENSORS sent to TWIN/STATE sent, on one host
+  std::int64_t behind_;        // TWIN/STATE that is older is worth a word
+  std::int64_t spent_ = 0;     // on the last SENSORS, forecasting aside
+  std::int64_t left_out_ = 0;  // portions of forecasting
 };
 
 }  // namespace gyrotwin

@@ -33,6 +33,12 @@ double plant_peak(const Rig& rig, double push_nms, double seconds) {
   return peak;
 }
 
+/// A tick of one who keeps up, under the law. @return whether there is a new forecast
+bool step(Forecast& forecast, const Follower& follower, const header_t& at) {
+  forecast.follow(follower.estimate(), at, nullptr);
+  return forecast.work(follower);
+}
+
 class CourseOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(CourseOf, TheReferencePushIsThePlants) {
@@ -123,7 +129,7 @@ TEST(Forecast, IsToldWhereTheEstimateBeginsBeyondTheLimit) {
   int told = 0;
   header_t at{};
   const auto second = std::llround(rig.loop.rate_hz);
-  for (at.tick = 1; at.tick <= second; ++at.tick) told += forecast.step(follower, at, nullptr);
+  for (at.tick = 1; at.tick <= second; ++at.tick) told += step(forecast, follower, at);
   EXPECT_GE(told, 20) << "in a second";
   forecast_t last{};
   forecast.fill(last);
@@ -133,10 +139,77 @@ TEST(Forecast, IsToldWhereTheEstimateBeginsBeyondTheLimit) {
   // And it goes on once the rig stands.
   follower.start({});
   told = 0;
-  for (; at.tick <= 2 * second; ++at.tick) told += forecast.step(follower, at, nullptr);
+  for (; at.tick <= 2 * second; ++at.tick) told += step(forecast, follower, at);
   EXPECT_GE(told, 20) << "in a second";
   forecast.fill(last);
   EXPECT_GT(last.tilt_margin_rad, 0.0);
+}
+
+TEST(Forecast, NothingIsForecastOfWhatHasFallen) {
+  support::MirroredLoop loop("double_brennan", {"loop.state=estimate"});
+  loop.hear();
+  ASSERT_EQ(loop.ask(request_t::ARM).result, reply_t::APPLIED);
+  loop.run_seconds(1.5);
+  loop.controller_alive = false;
+  bool alarm = false;
+  for (int k = 0; k < 5000 && loop.integrator.mode() != Mode::kFallen; ++k) {
+    loop.tick();
+    if (loop.forecast_told) alarm = loop.forecast.outcome == forecast_t::FALLS;
+  }
+  ASSERT_EQ(loop.integrator.mode(), Mode::kFallen);
+  EXPECT_TRUE(alarm);
+  for (int k = 0; k < 500; ++k) {
+    loop.tick();
+    EXPECT_FALSE(loop.forecast_told);
+  }
+}
+
+/// Forecasts in a second.
+int forecasts(support::MirroredLoop& loop) {
+  int told = 0;
+  for (auto n = std::llround(loop.rig.loop.rate_hz); n > 0; --n) {
+    loop.tick();
+    told += loop.forecast_told;
+  }
+  return told;
+}
+
+TEST(Forecast, ATwinThatItsSensorsContradictForecastsNothing) {
+  support::MirroredLoop loop("double_brennan", {"loop.state=estimate"});
+  loop.hear();
+  ASSERT_EQ(loop.ask(request_t::ARM).result, reply_t::APPLIED);
+  loop.run_seconds(1.5);
+  EXPECT_GE(forecasts(loop), 20);
+  request_t noisy{};
+  noisy.verb = request_t::FAULT;
+  noisy.kind = request_t::SENSOR_NOISY;
+  noisy.target = sensors_t::VALID_GIMBALS;
+  noisy.level = 0.1;
+  ASSERT_EQ(loop.ask(noisy).result, reply_t::APPLIED);
+  loop.run_seconds(0.5);
+  EXPECT_EQ(forecasts(loop), 0);
+  ASSERT_EQ(loop.ask(request_t::CLEAR).result, reply_t::APPLIED);
+  loop.run_seconds(1.0);
+  EXPECT_GE(forecasts(loop), 20);
+}
+
+TEST(Forecast, WhoIsBehindForecastsLaterAndForgetsNothing) {
+  support::TwinBench bench("prototype_b");
+  Forecast prompt(bench.rig, bench.machine), behind(bench.rig, bench.machine);
+  int told = 0, told_late = 0;
+  forecast_t one{}, other{};
+  for (int k = 0; k < 2000; ++k) {
+    ASSERT_TRUE(bench.step());
+    told += step(prompt, bench.follower, bench.sensors.header);
+    behind.follow(bench.follower.estimate(), bench.sensors.header, nullptr);
+    if (k % 4 == 0) told_late += behind.work(bench.follower);
+  }
+  prompt.fill(one);
+  behind.fill(other);
+  EXPECT_GE(told, 40);
+  EXPECT_GE(told_late, 10);
+  EXPECT_LT(told_late, told);
+  EXPECT_NEAR(one.final_tilt_rad, other.final_tilt_rad, 2e-3);
 }
 
 TEST(Forecast, AnotherRunRemembersNothingOfTheLaw) {
@@ -148,14 +221,14 @@ TEST(Forecast, AnotherRunRemembersNothingOfTheLaw) {
   Forecast used(bench.rig, bench.machine), fresh(bench.rig, bench.machine);
   for (int k = 0; k < 700; ++k) {
     ASSERT_TRUE(bench.step());
-    used.step(bench.follower, bench.sensors.header, nullptr);
+    step(used, bench.follower, bench.sensors.header);
   }
   used.reset();
   int told = 0;
   for (int k = 0; k < 300; ++k) {
     ASSERT_TRUE(bench.step());
-    const bool told_anew = used.step(bench.follower, bench.sensors.header, nullptr);
-    ASSERT_EQ(fresh.step(bench.follower, bench.sensors.header, nullptr), told_anew);
+    const bool told_anew = step(used, bench.follower, bench.sensors.header);
+    ASSERT_EQ(step(fresh, bench.follower, bench.sensors.header), told_anew);
     if (!told_anew) continue;
     ++told;
     forecast_t one{}, other{};

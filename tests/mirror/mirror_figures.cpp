@@ -51,7 +51,7 @@ struct Fault {
   const char* what;
   std::int32_t kind, target;
   double level, delay_s;
-  bool push;           ///< 1 s after it; the time counts from there
+  double push;         ///< of the reference impulse, 1 s after it; the time counts from there
   std::int32_t blame;  ///< with its index, or with the verdict of the sensor
   std::int32_t detail;
 };
@@ -61,33 +61,34 @@ std::vector<Fault> faults() {
   using S = sensors_t;
   using H = health_t;
   return {
-      {"inertia + 10 %, from the push", 0, 0, 1.1, 0, true, H::INERTIA, 0},
-      {"disc friction doubled, from the start", 1, 0, 2.0, 0, false, H::DISC_FRICTION, 0},
-      {"gyro off by 0.05 rad/s", R::SENSOR_BIASED, S::VALID_GYRO, 0.05, 0, false, H::SENSOR,
+      {"inertia + 10 %, from the push", 0, 0, 1.1, 0, 1.0, H::INERTIA, 0},
+      {"inertia + 10 %, from a push 8 times as hard", 0, 0, 1.1, 0, 8.0, H::INERTIA, 0},
+      {"disc friction doubled, from the start", 1, 0, 2.0, 0, 0.0, H::DISC_FRICTION, 0},
+      {"gyro off by 0.05 rad/s", R::SENSOR_BIASED, S::VALID_GYRO, 0.05, 0, 0.0, H::SENSOR,
        H::DISAGREES},
-      {"accelerometer off by 0.5 m/s^2", R::SENSOR_BIASED, S::VALID_ACCELEROMETER, 0.5, 0, false,
+      {"accelerometer off by 0.5 m/s^2", R::SENSOR_BIASED, S::VALID_ACCELEROMETER, 0.5, 0, 0.0,
        H::SENSOR + 1, H::DISAGREES},
-      {"disc encoder stuck", R::SENSOR_STUCK, S::VALID_DISC, 0, 0, false, H::SENSOR + 2, H::STUCK},
-      {"gimbal encoders stuck", R::SENSOR_STUCK, S::VALID_GIMBALS, 0, 0, false, H::SENSOR + 3,
+      {"disc encoder stuck", R::SENSOR_STUCK, S::VALID_DISC, 0, 0, 0.0, H::SENSOR + 2, H::STUCK},
+      {"gimbal encoders stuck", R::SENSOR_STUCK, S::VALID_GIMBALS, 0, 0, 0.0, H::SENSOR + 3,
        H::STUCK},
-      {"gyro stuck", R::SENSOR_STUCK, S::VALID_GYRO, 0, 0, false, H::SENSOR, H::STUCK},
-      {"gimbal encoders off by 0.02 rad", R::SENSOR_BIASED, S::VALID_GIMBALS, 0.02, 0, false,
+      {"gyro stuck", R::SENSOR_STUCK, S::VALID_GYRO, 0, 0, 0.0, H::SENSOR, H::STUCK},
+      {"gimbal encoders off by 0.02 rad", R::SENSOR_BIASED, S::VALID_GIMBALS, 0.02, 0, 0.0,
        H::SENSOR + 3, H::DISAGREES},
-      {"gimbal encoders noisy, 0.01 rad", R::SENSOR_NOISY, S::VALID_GIMBALS, 0.01, 0, false,
+      {"gimbal encoders noisy, 0.01 rad", R::SENSOR_NOISY, S::VALID_GIMBALS, 0.01, 0, 0.0,
        H::SENSOR + 3, H::DISAGREES},
-      {"rotor 0 unpowered", R::ROTOR_LOSS, 0, 0, 0, false, H::ROTOR, 0},
-      {"rotor speeds off by 5 %", R::SENSOR_BIASED, S::VALID_ROTORS, -0.05, 0, false, H::SENSOR + 4,
+      {"rotor 0 unpowered", R::ROTOR_LOSS, 0, 0, 0, 0.0, H::ROTOR, 0},
+      {"rotor speeds off by 5 %", R::SENSOR_BIASED, S::VALID_ROTORS, -0.05, 0, 0.0, H::SENSOR + 4,
        H::DISAGREES},
-      {"drive 0 at half its torque, from the push", R::DRIVE_WEAK, 0, 0.5, 0, true, H::DRIVE, 0},
-      {"gyro late by 30 ms, from the push", R::SENSOR_DELAYED, S::VALID_GYRO, 0, 0.03, true,
+      {"drive 0 at half its torque, from the push", R::DRIVE_WEAK, 0, 0.5, 0, 1.0, H::DRIVE, 0},
+      {"gyro late by 30 ms, from the push", R::SENSOR_DELAYED, S::VALID_GYRO, 0, 0.03, 1.0,
        H::SENSOR, H::LATE},
       {"accelerometer late by 30 ms, from the push", R::SENSOR_DELAYED, S::VALID_ACCELEROMETER, 0,
-       0.03, true, H::SENSOR + 1, H::LATE},
-      {"disc encoder late by 30 ms, from the push", R::SENSOR_DELAYED, S::VALID_DISC, 0, 0.03, true,
+       0.03, 1.0, H::SENSOR + 1, H::LATE},
+      {"disc encoder late by 30 ms, from the push", R::SENSOR_DELAYED, S::VALID_DISC, 0, 0.03, 1.0,
        H::SENSOR + 2, H::LATE},
       {"gimbal encoders late by 30 ms, from the push", R::SENSOR_DELAYED, S::VALID_GIMBALS, 0, 0.03,
-       true, H::SENSOR + 3, H::LATE},
-      {"gyro silent", R::SENSOR_DROPPED, S::VALID_GYRO, 0, 0, false, H::SENSOR, H::SILENT},
+       1.0, H::SENSOR + 3, H::LATE},
+      {"gyro silent", R::SENSOR_DROPPED, S::VALID_GYRO, 0, 0, 0.0, H::SENSOR, H::SILENT},
   };
 }
 
@@ -127,10 +128,10 @@ std::optional<double> time_to_name(const std::string& name, const Fault& fault, 
   if (fault.target == sensors_t::VALID_ROTORS) level *= bench.machine.nominal_rotor_speed[0];
   if (!part && !bench.fault(fault.kind, fault.target, level, fault.delay_s)) return std::nullopt;
   double begin = bench.time();
-  if (fault.push) {
+  if (fault.push > 0.0) {
     bench.run(1.0);
     begin = bench.time();
-    bench.push();
+    bench.push(fault.push);
   }
   const bool sensor = fault.blame >= health_t::SENSOR;
   const auto named = [&](const health_t& said) {

@@ -17,7 +17,7 @@ struct Fault {
   const char* rig;
   TwinBench::Overrides of_rig;       ///< wrong from the start
   std::optional<request_t> request;  ///< or from 1.5 s on
-  bool push;  ///< the reference impulse 0.2 s after, where rest shows nothing
+  double push;  ///< of the reference impulse, 0.2 s after, where rest shows nothing
   std::int32_t blame;
   std::int32_t index;
   std::int32_t sensor_verdict;  ///< of the blamed sensor
@@ -49,17 +49,27 @@ std::vector<Fault> faults() {
        "prototype_b",
        {"structure.inertia_x_kgm2=0.1441", "structure.inertia_y_kgm2=0.1441"},
        {},
-       true,
+       1.0,
        H::INERTIA,
        0,
        none,
        0.2,
        "inertia is 10 % larger"},  // 0.06
+      {"inertia_sleeping",
+       "prototype_b_sleeping",
+       {"structure.inertia_x_kgm2=0.1441", "structure.inertia_y_kgm2=0.1441"},
+       {},
+       8.0,
+       H::INERTIA,
+       0,
+       none,
+       0.15,
+       "larger"},  // 0.07
       {"inertia_double",
        "double_brennan",
        {"structure.inertia_tilt_kgm2=0.38544"},
        {},
-       true,
+       1.0,
        H::INERTIA,
        0,
        none,
@@ -69,7 +79,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {"disc.viscous_friction_nms_per_rad=0.02", "disc.coulomb_friction_nm=0.2"},
        {},
-       false,
+       0.0,
        H::DISC_FRICTION,
        0,
        none,
@@ -79,7 +89,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_BIASED, S::VALID_GYRO, 0.05),
-       false,
+       0.0,
        kGyro,
        0,
        H::DISAGREES,
@@ -89,7 +99,7 @@ std::vector<Fault> faults() {
        "double_brennan",
        {},
        fault(R::SENSOR_BIASED, S::VALID_GYRO, 0.05),
-       false,
+       0.0,
        kGyro,
        0,
        H::DISAGREES,
@@ -99,7 +109,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_BIASED, S::VALID_ACCELEROMETER, 0.5),
-       false,
+       0.0,
        kAccelerometer,
        0,
        H::DISAGREES,
@@ -109,7 +119,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_STUCK, S::VALID_DISC),
-       false,
+       0.0,
        kDisc,
        0,
        H::STUCK,
@@ -119,7 +129,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_STUCK, S::VALID_GIMBALS),
-       false,
+       0.0,
        kGimbals,
        0,
        H::STUCK,
@@ -129,7 +139,7 @@ std::vector<Fault> faults() {
        "double_brennan",
        {},
        fault(R::SENSOR_STUCK, S::VALID_GIMBALS),
-       false,
+       0.0,
        kGimbals,
        0,
        H::STUCK,
@@ -139,7 +149,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_STUCK, S::VALID_GYRO),
-       false,
+       0.0,
        kGyro,
        0,
        H::STUCK,
@@ -149,7 +159,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::ROTOR_LOSS, 1),
-       false,
+       0.0,
        H::ROTOR,
        1,
        none,
@@ -159,7 +169,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::DRIVE_WEAK, 0, 0.5),
-       false,
+       0.0,
        H::DRIVE,
        0,
        none,
@@ -169,7 +179,7 @@ std::vector<Fault> faults() {
        "brennan_monorail",
        {},
        fault(R::DRIVE_WEAK, 0, 0.5),
-       true,
+       1.0,
        H::DRIVE,
        0,
        none,
@@ -179,7 +189,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_DELAYED, S::VALID_GIMBALS, 0.0, 0.03),
-       true,
+       1.0,
        kGimbals,
        0,
        H::LATE,
@@ -189,17 +199,27 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_DELAYED, S::VALID_ACCELEROMETER, 0.0, 0.03),
-       true,
+       1.0,
        kAccelerometer,
        0,
        H::LATE,
        0.1,
        "late by"},  // 0.01
+      {"gyro_late",
+       "gyrocar",
+       {},
+       fault(R::SENSOR_DELAYED, S::VALID_GYRO, 0.0, 0.03),
+       1.0,
+       kGyro,
+       0,
+       H::LATE,
+       0.1,
+       "late by"},  // 0.042
       {"gyro_silent",
        "prototype_b",
        {},
        fault(R::SENSOR_DROPPED, S::VALID_GYRO),
-       false,
+       0.0,
        kGyro,
        0,
        H::SILENT,
@@ -209,7 +229,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_DROPPED, S::VALID_DISC),
-       false,
+       0.0,
        kDisc,
        0,
        H::SILENT,
@@ -219,7 +239,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_NOISY, S::VALID_GIMBALS, 0.01),
-       false,
+       0.0,
        kGimbals,
        0,
        H::DISAGREES,
@@ -229,7 +249,7 @@ std::vector<Fault> faults() {
        "prototype_b",
        {},
        fault(R::SENSOR_BIASED, S::VALID_ROTORS, -50.0),
-       false,
+       0.0,
        kRotors,
        0,
        H::DISAGREES,
@@ -250,9 +270,9 @@ TEST_P(HealthNames, TheFault) {
   } else {
     ASSERT_TRUE(bench.run(1.0));  // settled
   }
-  if (fault.push) {
+  if (fault.push > 0.0) {
     ASSERT_TRUE(bench.run(0.2));
-    bench.push();
+    bench.push(fault.push);
   }
   const auto named = [&](const health_t& said) {
     return said.verdict == health_t::DISAGREES && said.blame == fault.blame &&
@@ -299,6 +319,29 @@ TEST(Health, APushIsNoFault) {
     }
     EXPECT_TRUE(seen) << name;
     EXPECT_EQ(bench.said.blame, +health_t::NOBODY) << name << ": " << bench.text();
+  }
+}
+
+// A twin that joins under way finds the rig anywhere in its swing.
+TEST(Health, AStartInMidSwingIsNoFault) {
+  for (int k = 1; k <= 6; ++k) {
+    TwinBench bench("gyrocar", {}, {"loop.state=estimate"});
+    ASSERT_TRUE(bench.run(1.2));
+    bench.push(k % 2 == 0 ? 0.5 : 1.0);
+    ASSERT_TRUE(bench.run(0.05 + 0.06 * k));
+    Follower follower(bench.rig, bench.machine);
+    Health health(bench.rig, bench.machine);
+    follower.start(bench.sensors);
+    for (int i = 0; i < 1500; ++i) {
+      ASSERT_TRUE(bench.step());
+      follower.step(bench.sensors, bench.commanded);
+      health.take(follower, bench.sensors, bench.commanded);
+      follower.distrust(health.distrusted());
+      health_t said{};
+      health.fill(said);
+      ASSERT_NE(said.verdict, +health_t::DISAGREES) << k << ": " << get_text(said.text);
+    }
+    EXPECT_EQ(follower.losses(), 0) << k;
   }
 }
 
