@@ -55,7 +55,8 @@ inline constexpr std::array<ExperimentKind, 4> kExperiments{{
 /// @throws Error when there is none of this name
 const ExperimentKind& experiment_of(std::string_view name);
 
-/// Keys that an experiment on a rig tells; those that the rig file has as 0 are left out.
+/// Keys that an experiment on a rig tells and that are asked for by default; none of a
+/// [rotor_drive] that the rig file lacks.
 std::vector<std::string> keys_of(const ExperimentKind& kind, const Rig& rig);
 
 /// Overrides of the rig file that make the model as the rig is for an experiment: what is pinned is

@@ -93,7 +93,9 @@ std::vector<int> valid_readings(const sensors_t& sensors, const model::Machine& 
   std::vector<int> valid;
   const auto add = [&](std::int32_t bit, int first, int count) {
     if ((sensors.valid & bit) == 0) return;
-    for (int i = 0; i < count; ++i) valid.push_back(first + i);
+    for (int i = first; i < first + count; ++i) {
+      if (std::isfinite(reading_of(sensors, i))) valid.push_back(i);
+    }
   };
   add(sensors_t::VALID_GYRO, kGyro, 3);
   add(sensors_t::VALID_ACCELEROMETER, kAcceleration, 3);

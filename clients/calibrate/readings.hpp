@@ -33,7 +33,7 @@ using Readings = Eigen::Matrix<double, kReadings, 1>;
 SensorKind kind_of(int reading);
 std::string_view unit_of(SensorKind kind);
 
-/// The readings of a message, those that are valid.
+/// The readings of a message, those that are valid and finite.
 std::vector<int> valid_readings(const sensors_t& sensors, const model::Machine& machine);
 double reading_of(const sensors_t& sensors, int reading);
 

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "clients/log/log.hpp"
@@ -17,6 +18,7 @@ namespace gyrotwin {
 namespace {
 
 constexpr std::int64_t kLongestGap = 20;   // without SENSORS [tick]
+constexpr double kLongestLeap_s = 60.0;    // from one message to the next
 constexpr std::size_t kShortestRun = 20;   // [tick]
 constexpr std::int32_t kUnknownMode = -1;  // no STATE was heard yet
 
@@ -45,8 +47,9 @@ std::optional<Message> decoded(const LogEvent& event) {
 /// Does, with what was recorded, what the owner did with what it heard.
 class Follower {
  public:
-  Follower(const Rig& rig, const model::Machine& machine)
+  Follower(const Rig& rig, const model::Machine& machine, std::string file)
       : rig_(rig),
+        file_(std::move(file)),
         gate_(rig.safety.command_timeout_ticks, rig.loop.command_delay_ticks),
         schedule_(rig, machine),
         prefix_(rig.network.prefix + '/') {}
@@ -85,6 +88,7 @@ class Follower {
 
   /// @return whether the message is of the present tick, which it may begin
   bool arrive(const header_t& header) {
+    if (header.tick < 0) return false;
     if (runs_.empty() || runs_.back().epoch != header.epoch) {
       if (is_over(header.epoch)) return false;
       runs_.push_back({header.epoch, {{.tick = header.tick}}});
@@ -94,6 +98,14 @@ class Follower {
       return true;
     }
     if (header.tick < now().tick) return false;
+    const std::int64_t from = now().tick;
+    if (header.tick - from > leap_) {
+      throw Error(
+          fmt::format("{}: tick {} comes right after tick {} of run {:08x}: a leap of more than "
+                      "{:g} s is damage, or a record with a hole; record it again",
+                      file_, header.tick, from, static_cast<std::uint64_t>(header.epoch) >> 32,
+                      kLongestLeap_s));
+    }
     while (now().tick < header.tick) {
       Tick& past = now();
       past.input = acting(past.tick);
@@ -131,6 +143,8 @@ class Follower {
   }
 
   const Rig& rig_;
+  std::string file_;
+  std::int64_t leap_ = std::llround(kLongestLeap_s / rig_.loop.tick_s());  // [tick]
   CommandGate gate_;
   Schedule schedule_;
   std::string prefix_;
@@ -287,7 +301,7 @@ std::vector<Stretch> read_runs(const std::filesystem::path& path, const Rig& rig
   }
   const std::string file = path.filename().string();
   Log log(path);
-  Follower follower(rig, machine);
+  Follower follower(rig, machine, file);
   while (const auto event = log.next()) follower.take(*event);
   require_rig(file, log.catalog(), rig);
   const std::vector<Run> runs = follower.runs();

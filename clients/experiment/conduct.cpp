@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <numbers>
 #include <variant>
 
+#include "services/integrator/plant.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -18,6 +20,7 @@ constexpr std::int64_t kLook = 100'000'000;      // between looks at go_on [ns]
 constexpr std::int64_t kSilent = 2'000'000'000;  // without a tick [ns]
 constexpr double kImmovable = 1e6;               // inertia of a pinned structure, at least [kg m^2]
 constexpr double kAtRest = 0.01;                 // share of the nominal speed
+constexpr int kMostSubsteps = 1000;              // of a rig file
 constexpr double kLongestSpinDown = 1800.0;      // [s]
 
 bool is_named(const ExperimentPlan& plan, std::string_view name) { return plan.kind->name == name; }
@@ -161,9 +164,23 @@ std::string with_overrides(const std::vector<std::string>& overrides) {
   return text;
 }
 
+/// What the integrator's step check asks for besides, of a rig with these overrides; or nothing.
+std::vector<std::string> finer_steps(const Rig& rig, const std::vector<std::string>& overrides) {
+  Rig arranged = load_rig(rig.file.string(), overrides);
+  const model::Machine machine = arranged.build_machine();
+  const int filed = arranged.loop.substeps;
+  while (stepping_error(arranged, machine) > arranged.loop.step_tolerance) {
+    arranged.loop.substeps *= 2;
+    if (arranged.loop.substeps > kMostSubsteps) return {};  // the integrator says why
+  }
+  if (arranged.loop.substeps == filed) return {};
+  return {fmt::format("loop.substeps={}", arranged.loop.substeps)};
+}
+
 }  // namespace
 
-std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated) {
+std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated,
+                   const std::vector<std::string>& given) {
   if (!rig.sensors) return "the rig file has no [sensors]: nothing would be measured";
   if (rig.safety.drive == SafeStopDrive::kHoldSpeed) {
     return "safety.safe_stop is hold_speed, whose torque no log tells: start owner, controller and "
@@ -184,6 +201,9 @@ std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated) {
       missing.emplace_back("rotor_drive.start_share=0");
     }
     if (!missing.empty()) {
+      std::vector<std::string> all = given;
+      std::ranges::copy(missing, std::back_inserter(all));
+      std::ranges::copy(finer_steps(rig, all), std::back_inserter(missing));
       return "a simulated rig has no hands to arrange it: start owner, controller and this with" +
              with_overrides(missing);
     }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "clients/calibrate/experiments.hpp"
 #include "clients/common/asker.hpp"
@@ -22,7 +23,9 @@ struct ExperimentPlan {
 
 /// Why this rig, as its file has it, is not fit for the experiment, and what to do; empty: it is.
 /// @param simulated the owner's plant is; else what is done by hand is left to the operator
-std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated);
+/// @param given the `key=value` overrides that the rig was loaded with
+std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated,
+                   const std::vector<std::string>& given = {});
 
 /// What is to be done by hand beforehand; empty: nothing.
 std::string by_hand(const ExperimentPlan& plan, bool simulated);

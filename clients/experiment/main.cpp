@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 #include <numbers>
+#include <string_view>
 
 #include "clients/common/interrupt.hpp"
 #include "clients/experiment/conduct.hpp"
@@ -67,6 +68,16 @@ void wait_for_hands(const std::string& work, bool ready) {
   if (!std::getline(std::cin, line)) throw NotDone("stopped");
 }
 
+/// As a shell takes it for one word.
+std::string quoted(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
 std::vector<std::string> rig_words(const RigOptions& rig_options) {
   std::vector<std::string> words{"--rig", rig_options.name()};
   for (const std::string& key : rig_options.overrides()) {
@@ -85,7 +96,7 @@ int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
   Asker asker(rig, clock);
   const status_t& owner = asker.owner();
   const bool simulated = owner.service == status_t::INTEGRATOR;
-  const std::string why_not = misfit(plan, rig, simulated);
+  const std::string why_not = misfit(plan, rig, simulated, rig_options.overrides());
   if (!why_not.empty()) throw NotDone(why_not);
   if (owner.mode != status_t::MODE_HELD) {
     throw NotDone(
@@ -100,8 +111,11 @@ int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
     return !interrupt.wanted();
   });
   recorder.stop();
-  std::printf("next: gyrotwin calibrate --rig %s --experiment %s %s\n", rig_options.name().c_str(),
-              std::string(plan.kind->name).c_str(), options.file.c_str());
+  std::vector<std::string> words = rig_words(rig_options);
+  words.insert(words.end(), {"--experiment", std::string(plan.kind->name), options.file});
+  std::string next = "next: gyrotwin calibrate";
+  for (const std::string& word : words) next += ' ' + quoted(word);
+  std::puts(next.c_str());
   if (plan.kind->name == "swing") {
     std::printf("with a second log, of another counterweight, it can tell mass from inertia\n");
   }
