@@ -37,6 +37,7 @@ enum class Channel : std::uint8_t {
   kTwinState = 11,
   kHealth = 12,
   kForecast = 13,
+  kGatewayStatus = 14,
 };
 
 /// STATUS of whoever owns the plant, simulated or real.
@@ -89,7 +90,7 @@ struct ChannelSpec {
   std::size_t size;         ///< encoded size [bytes], fingerprint included
 };
 
-inline constexpr std::array<ChannelSpec, 14> kChannels{{
+inline constexpr std::array<ChannelSpec, 15> kChannels{{
     {Channel::kState, "LIVE/STATE", "state_t", kWireSize<state_t>},
     {Channel::kCommand, "LIVE/COMMAND", "command_t", kWireSize<command_t>},
     {Channel::kRequest, "REQUEST", "request_t", kWireSize<request_t>},
@@ -104,6 +105,7 @@ inline constexpr std::array<ChannelSpec, 14> kChannels{{
     {Channel::kTwinState, "TWIN/STATE", "state_t", kWireSize<state_t>},
     {Channel::kHealth, "TWIN/HEALTH", "health_t", kWireSize<health_t>},
     {Channel::kForecast, "TWIN/FORECAST", "forecast_t", kWireSize<forecast_t>},
+    {Channel::kGatewayStatus, "GATEWAY/STATUS", "status_t", kWireSize<status_t>},
 }};
 
 /// Row of a channel.

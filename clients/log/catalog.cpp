@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "clients/log/big_endian.hpp"
+#include "services/schema/big_endian.hpp"
 #include "services/runtime/datagram.hpp"
 #include "services/runtime/error.hpp"
 

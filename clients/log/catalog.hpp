@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "clients/log/lcm_type.hpp"
+#include "services/schema/lcm_type.hpp"
 #include "clients/log/log_reader.hpp"
 #include "services/runtime/key.hpp"
 
@@ -38,9 +38,6 @@ struct About {
 
 /// The channels of a rig as this program knows them.
 std::map<std::string, LoggedChannel, std::less<>> channels_of(const std::string& prefix);
-
-/// Texts of the types that this program was built with.
-std::span<const std::string> lcm_sources();
 
 /// A channel of the log's own, which no rig's can be: the alphabet of those has no small letters.
 bool is_log_channel(std::string_view channel);

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "clients/log/big_endian.hpp"
+#include "services/schema/big_endian.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "clients/log/lcm_text.hpp"
+#include "services/schema/lcm_text.hpp"
 #include "messages/channels.hpp"
 #include "services/runtime/mode.hpp"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "clients/log/lcm_text.hpp"
+#include "services/schema/lcm_text.hpp"
 
 namespace gyrotwin {
 

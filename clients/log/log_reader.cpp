@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "clients/log/big_endian.hpp"
+#include "services/schema/big_endian.hpp"
 
 namespace gyrotwin {
 

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "clients/log/lcm_text.hpp"
+#include "services/schema/lcm_text.hpp"
 
 namespace gyrotwin {
 

@@ -95,6 +95,7 @@ void Monitor::hear(const Reception& reception, const Moment& now) {
       break;
     case Channel::kSensors:
     case Channel::kTwinState:
+    case Channel::kGatewayStatus:
       break;  // their traffic is counted
   }
 }

@@ -76,11 +76,11 @@ DatagramFormat::DatagramFormat(const std::string& prefix, std::int32_t rig_id,
   for (const ChannelSpec& row : kChannels) {
     names_[static_cast<std::size_t>(row.channel)] = prefix + "/" + std::string(row.suffix);
   }
-  const std::array fingerprints{state_t::getHash(),  command_t::getHash(), request_t::getHash(),
-                                reply_t::getHash(),  truth_t::getHash(),   status_t::getHash(),
-                                status_t::getHash(), sensors_t::getHash(), status_t::getHash(),
-                                link_t::getHash(),   status_t::getHash(),  state_t::getHash(),
-                                health_t::getHash(), forecast_t::getHash()};
+  const std::array fingerprints{state_t::getHash(),  command_t::getHash(),  request_t::getHash(),
+                                reply_t::getHash(),  truth_t::getHash(),    status_t::getHash(),
+                                status_t::getHash(), sensors_t::getHash(),  status_t::getHash(),
+                                link_t::getHash(),   status_t::getHash(),   state_t::getHash(),
+                                health_t::getHash(), forecast_t::getHash(), status_t::getHash()};
   static_assert(fingerprints.size() == kChannels.size());
   std::ranges::copy(fingerprints, fingerprints_.begin());
 }

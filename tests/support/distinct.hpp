@@ -161,6 +161,7 @@ inline std::vector<std::uint8_t> distinct_payload(Channel channel, std::int32_t 
     case Channel::kControllerStatus:
     case Channel::kHardwareStatus:
     case Channel::kMirrorStatus:
+    case Channel::kGatewayStatus:
       return payload(distinct<status_t>());
     case Channel::kSensors:
       return payload(distinct<sensors_t>());

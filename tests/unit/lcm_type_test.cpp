@@ -1,14 +1,13 @@
 // Types from their text: the same fingerprints, sizes and values as lcm-gen's code.
-#include "clients/log/lcm_type.hpp"
+#include "services/schema/lcm_type.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "clients/log/catalog.hpp"
-#include "clients/log/lcm_text.hpp"
 #include "services/runtime/error.hpp"
+#include "services/schema/lcm_text.hpp"
 #include "tests/support/distinct.hpp"
 
 namespace gyrotwin {

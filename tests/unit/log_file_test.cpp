@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "clients/log/big_endian.hpp"
+#include "services/schema/big_endian.hpp"
 #include "clients/log/log.hpp"
 #include "clients/log/log_line.hpp"
 #include "clients/log/log_reader.hpp"

@@ -1,0 +1,276 @@
+// All that the page knows of the rig: filled by the socket, read by whoever draws. Data flows one way.
+import {parse} from '@foxglove/rosmsg';
+import {MessageReader} from '@foxglove/rosmsg2-serialization';
+
+import {Ring} from './charts/series';
+import {type Channel, Connection, type Data, type Parameter, type ServerMessage, type Value} from './foxglove';
+import {Layout, Numbers} from './layout';
+import {
+  type Forecast, type Health, type Link, MODES, type Reply, type State, type Status, type Topic, type Topics,
+  type Truth, VALID, seconds,
+} from './messages';
+import {Writer, type Request} from './requests';
+import {Rig, degrees} from './rig';
+
+export const KEPT = 60;  // [s]
+const FASTEST = 1100;    // messages a second that a ring has room for
+const MOST_EVENTS = 200;
+const PATIENCE = 2500;   // for the owner's answer [ms]
+export const STALE = 1;  // [s]
+
+/** A message, taken apart when somebody looks at it. */
+export class Heard<T> {
+  private known: T | null = null;
+  /** @param at when it came to the gateway, its clock [s] */
+  constructor(private readonly reader: MessageReader, private readonly bytes: Uint8Array, readonly at: number) {}
+  get value(): T {
+    this.known ??= this.reader.readMessage(this.bytes) as T;
+    return this.known;
+  }
+}
+export type Tone = 'info' | 'good' | 'bad';
+export interface Happening { at: Date; tone: Tone; who: string; text: string }
+export interface Recording { on: boolean; file?: string; bytes?: number; error?: string }
+type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';
+export const DAEMONS: readonly Topic[] = ['INTEGRATOR/STATUS', 'HARDWARE/STATUS', 'CONTROLLER/STATUS', 'MIRROR/STATUS',
+  'GATEWAY/STATUS'];
+
+interface Subscribed { topic: Topic; reader: MessageReader; layout: Layout }
+
+export class Live {
+  rig: Rig | null = null;
+  prefix = '';
+  role = '';
+  connected = false;
+  everConnected = false;
+  state: Heard<State> | null = null;
+  twin: Heard<State> | null = null;
+  truth: Heard<Truth> | null = null;
+  health: Heard<Health> | null = null;
+  forecast: Heard<Forecast> | null = null;
+  link: Heard<Link> | null = null;
+  readonly status = new Map<Topic, Heard<Status>>();
+  recording: Recording = {on: false};
+  readonly happenings: Happening[] = [];
+  happened = 0;  // so far
+
+  // Tilt x y, tilt rate x y [deg, deg/s], disc rate [rad/s], gimbals [deg] x 4, torques [N m] x 2, rotors [%] x 4.
+  readonly states = new Ring(KEPT * FASTEST, 15);
+  readonly twins = new Ring(KEPT * FASTEST, 2);    // tilt x y [deg]
+  readonly truths = new Ring(KEPT * FASTEST, 6);   // contacts [N] x 4, holding moment [N m] x 2
+  readonly healths = new Ring(KEPT * 120, 3);      // NIS, unknown moment x y [N m]
+
+  private readonly connection: Connection;
+  private subscriptions = new Map<number, Subscribed>();
+  private readonly writer = new Writer();
+  private readonly asked = new Map<string, {what: string; timer: ReturnType<typeof setTimeout>}>();
+  private offset = -Infinity;  // from performance's clock to that of the gateway [s]
+  private said = {mode: -1, health: '', falls: false, epoch: -1n};
+
+  constructor(url: string, private readonly ready: (live: Live, again: boolean) => void) {
+    this.connection = new Connection(url, {
+      opened: () => this.opened(),
+      closed: () => this.closed(),
+      message: (message) => this.take(message),
+      data: (data) => this.hear(data),
+    });
+  }
+
+  /** Time of the gateway's clock [s]. */
+  now(): number { return performance.now() * 1e-3 + (this.offset === -Infinity ? 0 : this.offset); }
+  age(heard: Heard<unknown> | null | undefined): number { return heard ? this.now() - heard.at : Infinity; }
+  get isOperator(): boolean { return this.role === 'operator'; }
+
+  /** STATUS of whoever owns the plant, the last that spoke. */
+  get owner(): Heard<Status> | null {
+    const owners = (['INTEGRATOR/STATUS', 'HARDWARE/STATUS'] as Owner[]).map((t) => this.status.get(t));
+    return owners.reduce<Heard<Status> | null>((a, b) => (b && (!a || b.at > a.at) ? b : a), null);
+  }
+  get isReal(): boolean { return this.owner !== null && this.owner === this.status.get('HARDWARE/STATUS'); }
+  get mode(): number | null { return this.owner ? this.owner.value.mode : null; }
+  get stale(): boolean { return !this.connected || this.age(this.state) > STALE; }
+
+  happen(tone: Tone, who: string, text: string): void {
+    this.happenings.unshift({at: new Date(), tone, who, text});
+    this.happenings.length = Math.min(this.happenings.length, MOST_EVENTS);
+    this.happened += 1;
+  }
+
+  /** Asks the owner for something. @param what in words, for the list of what happened */
+  ask(request: Request, what: string): void {
+    const signed = this.writer.sign(request);
+    if (!this.connection.publish(1, signed)) return this.happen('bad', what, 'not asked: there is no connection');
+    const timer = setTimeout(() => {
+      this.asked.delete(signed.counter);
+      this.happen('bad', what, 'the owner of the rig does not answer');
+    }, PATIENCE);
+    this.asked.set(signed.counter, {what, timer});
+  }
+
+  record(on: boolean): void {
+    this.connection.send({op: 'setParameters', parameters: [{name: 'recording', value: on}]});
+  }
+
+  private opened(): void {
+    this.connected = true;
+    this.happen(this.everConnected ? 'good' : 'info', 'gateway', this.everConnected ? 'connected again' : 'connected');
+    this.everConnected = true;
+  }
+
+  private closed(): void {
+    if (this.connected) this.happen('bad', 'gateway', 'the connection is lost');
+    this.connected = false;
+    this.subscriptions = new Map();
+  }
+
+  private take(message: ServerMessage): void {
+    if (message.op === 'serverInfo' && 'name' in message) {
+      this.prefix = message.metadata?.['prefix'] ?? '';
+      this.role = message.metadata?.['role'] ?? 'observer';
+    } else if (message.op === 'advertise' && 'channels' in message) {
+      this.subscribe(message.channels);
+    } else if (message.op === 'parameterValues' && 'parameters' in message) {
+      this.takeParameters(message.parameters);
+    } else if (message.op === 'status' && 'message' in message) {
+      this.happen(message.level > 0 ? 'bad' : 'info', 'gateway', message.message);
+    }
+  }
+
+  private subscribe(channels: Channel[]): void {
+    const wanted = new Set<string>(['LIVE/STATE', 'SIM/TRUTH', 'TWIN/STATE', 'TWIN/HEALTH', 'TWIN/FORECAST',
+      'HARDWARE/LINK', 'REPLY', ...DAEMONS]);
+    for (const channel of channels) {
+      const topic = channel.topic.slice(this.prefix.length + 1);
+      if (!wanted.has(topic)) continue;
+      const definitions = parse(channel.schema, {ros2: true});
+      this.subscriptions.set(channel.id, {topic: topic as Topic, reader: new MessageReader(definitions),
+        layout: new Layout(definitions)});
+    }
+    if (this.rig) this.listen();
+    this.connection.send({op: 'getParameters', parameterNames: [], id: 'rig'});
+    this.connection.send({op: 'subscribeParameterUpdates', parameterNames: ['recording']});
+    if (this.isOperator) {
+      this.connection.send({op: 'advertise', channels: [
+        {id: 1, topic: `${this.prefix}/REQUEST`, encoding: 'json', schemaName: 'request'}]});
+    }
+  }
+
+  /** The flood begins: best once the page can draw it. */
+  listen(): void {
+    const subscriptions = [...this.subscriptions.keys()].map((id) => ({id, channelId: id}));
+    this.connection.send({op: 'subscribe', subscriptions});
+  }
+
+  private takeParameters(parameters: Parameter[]): void {
+    const values = new Map<string, Value>(parameters.map(({name, value}) => [name, value]));
+    const recording = values.get('recording') as unknown as Recording | undefined;
+    if (recording) this.takeRecording(recording);
+    if (!values.has('rig.name')) return;
+    const known = this.rig !== null;
+    this.rig = new Rig(values);
+    this.ready(this, known);
+  }
+
+  private takeRecording(recording: Recording): void {
+    if (recording.on !== this.recording.on) {
+      this.happen(recording.error ? 'bad' : 'info', 'recording',
+        recording.error ?? `${recording.on ? 'started' : 'ended'}: ${recording.file ?? ''}`);
+    }
+    this.recording = recording;
+  }
+
+  private hear(data: Data): void {
+    const subscribed = this.subscriptions.get(data.subscription);
+    if (!subscribed) return;
+    const at = seconds(data.time);
+    const early = at - performance.now() * 1e-3;
+    // The least delayed message tells the clocks' difference best; a clock that was set is followed.
+    this.offset = early > this.offset || early < this.offset - 5 ? early : this.offset;
+    const heard = <T extends Topics[Topic]>(): Heard<T> => new Heard<T>(subscribed.reader, data.bytes, at);
+    const numbers = (): Numbers => new Numbers(subscribed.layout, data.bytes);
+    switch (subscribed.topic) {
+      case 'LIVE/STATE': return this.hearState(heard(), numbers());
+      case 'TWIN/STATE': return this.hearTwin(heard(), numbers());
+      case 'SIM/TRUTH': return this.hearTruth(heard(), numbers());
+      case 'TWIN/HEALTH': return this.hearHealth(heard());
+      case 'TWIN/FORECAST': return this.hearForecast(heard());
+      case 'HARDWARE/LINK': this.link = heard(); return;
+      case 'REPLY': return this.hearReply(heard<Reply>().value);
+      default: return this.hearStatus(subscribed.topic, heard());
+    }
+  }
+
+  private hearState(heard: Heard<State>, n: Numbers): void {
+    const epoch = n.int64('header.epoch');
+    if (this.said.epoch !== epoch) {
+      this.said.epoch = epoch;
+      this.twin = this.forecast = null;
+    }
+    this.state = heard;
+    const valid = n.int32('valid'), share = 100 / (this.rig?.nominalSpeed || 1);
+    const tilts = (valid & VALID.tilt) !== 0, angle = (name: string, i: number) => degrees(n.double(name, i));
+    const rotor = (j: number) => share * n.double('rotor_speed_rad_s', j), gimbal = (j: number) => angle('gimbal_angle_rad', j);
+    this.states.push(heard.at, [tilts ? angle('tilt_rad', 0) : NaN, tilts ? angle('tilt_rad', 1) : NaN,
+      angle('tilt_rate_rad_s', 0), angle('tilt_rate_rad_s', 1), (valid & VALID.disc) !== 0 ? n.double('disc_rate_rad_s') : NaN,
+      gimbal(0), gimbal(1), gimbal(2), gimbal(3), n.double('drive_torque_nm', 0), n.double('drive_torque_nm', 1),
+      rotor(0), rotor(1), rotor(2), rotor(3)]);
+  }
+
+  private hearTwin(heard: Heard<State>, n: Numbers): void {
+    this.twin = heard;
+    this.twins.push(heard.at, [degrees(n.double('tilt_rad', 0)), degrees(n.double('tilt_rad', 1))]);
+  }
+
+  private hearTruth(heard: Heard<Truth>, n: Numbers): void {
+    this.truth = heard;
+    const contact = (j: number) => n.double('contact_lower_n', j), held = (i: number) => n.double('holding_moment_nm', i);
+    this.truths.push(heard.at, [contact(0), contact(1), contact(2), contact(3), held(0), held(1)]);
+  }
+
+  private hearHealth(heard: Heard<Health>): void {
+    this.health = heard;
+    const {value} = heard;
+    this.healths.push(heard.at, [value.nis_total, value.external_moment_nm[0]!, value.external_moment_nm[1]!]);
+    const text = `${value.verdict} ${value.blame}`;
+    if (text !== this.said.health && value.verdict !== 0) {
+      const bad = value.verdict !== 1;
+      if (bad || this.said.health.startsWith('2')) this.happen(bad ? 'bad' : 'good', 'twin', value.text);
+    }
+    this.said.health = text;
+  }
+
+  private hearForecast(heard: Heard<Forecast>): void {
+    this.forecast = heard;
+    const falls = heard.value.outcome === 2 && this.mode !== 4;
+    if (falls && !this.said.falls) {
+      this.happen('bad', 'forecast', `falls in ${seconds(heard.value.falls_in_ns).toFixed(2)} s`);
+    }
+    this.said.falls = falls;
+  }
+
+  private hearStatus(topic: Topic, heard: Heard<Status>): void {
+    const before = this.status.get(topic);
+    this.status.set(topic, heard);
+    const service = topic.slice(0, topic.indexOf('/')).toLowerCase();
+    const {mode, text} = heard.value;
+    if (!before) {
+      this.happen('info', service, `heard: ${heard.value.pid} on ${heard.value.host}, ${MODES[mode] ?? mode}`);
+    } else if (before.value.mode !== mode) {
+      const bad = mode >= 3 && mode <= 5;
+      this.happen(bad ? 'bad' : 'info', service,
+        `${MODES[before.value.mode] ?? ''} → ${MODES[mode] ?? mode}${text ? `: ${text}` : ''}`);
+    } else if (heard.at - before.at > 2) {
+      this.happen('good', service, 'is back');
+    }
+  }
+
+  private hearReply(reply: Reply): void {
+    const own = reply.request_writer === this.writer.id ? this.asked.get(reply.request_counter.toString()) : undefined;
+    if (own) {
+      clearTimeout(own.timer);
+      this.asked.delete(reply.request_counter.toString());
+    }
+    const done = reply.result === 1;
+    this.happen(done ? 'good' : 'bad', own?.what ?? 'somebody else asked', `${done ? '' : 'refused: '}${reply.text}`);
+  }
+}

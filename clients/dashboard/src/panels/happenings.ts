@@ -1,0 +1,26 @@
+// What happened, the newest first.
+import {card, el} from '../dom';
+import type {Live} from '../live';
+
+const SHOWN = 60;
+
+export class Happenings {
+  readonly element: HTMLElement;
+  private readonly list = el('ol', {class: 'happenings', tabindex: '0', 'aria-label': 'What happened, the newest first'});
+  private drawn = 0;
+
+  constructor(private readonly live: Live) {
+    this.element = card('What happened', this.list);
+  }
+
+  draw(): void {
+    const fresh = Math.min(this.live.happened - this.drawn, SHOWN);
+    this.drawn = this.live.happened;
+    for (let i = fresh - 1; i >= 0; --i) {
+      const {at, tone, who, text} = this.live.happenings[i]!;
+      this.list.prepend(el('li', {'data-tone': tone}, el('time', {}, at.toTimeString().slice(0, 8)),
+        el('span', {class: 'who'}, who), el('span', {}, text)));
+    }
+    while (this.list.children.length > SHOWN) this.list.lastChild!.remove();
+  }
+}
