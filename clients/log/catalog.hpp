@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "services/schema/lcm_type.hpp"
 #include "clients/log/log_reader.hpp"
 #include "services/runtime/key.hpp"
+#include "services/schema/lcm_type.hpp"
 
 namespace gyrotwin {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string_view>
 
-#include "services/schema/lcm_text.hpp"
 #include "messages/channels.hpp"
 #include "services/runtime/mode.hpp"
+#include "services/schema/lcm_text.hpp"
 
 namespace gyrotwin {
 

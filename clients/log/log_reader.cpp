@@ -74,6 +74,8 @@ std::span<const std::uint8_t> LogReader::bytes(std::int64_t offset, std::int64_t
 
 /// Offset of the first sync word that begins in [from, before); `before` when there is none.
 std::int64_t LogReader::find_sync(std::int64_t from, std::int64_t before) {
+  // Nearly always it is right there; then the window stays where it is.
+  if (from < before && std::ranges::equal(bytes(from, kSyncSize), kSyncBytes)) return from;
   while (from < before) {
     // Steps of a window, each a little into the next, so that no word is cut.
     const auto piece = bytes(from, std::min(kWindow, before - from + kSyncSize - 1));

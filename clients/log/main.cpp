@@ -1,10 +1,12 @@
-// gyrotwin-log: keeps the record of a rig, shows it, plays it back, repairs it.
+// gyrotwin-log: keeps the record of a rig, shows it, plays it back, repairs it, hands it on.
 #include <cmath>
 #include <cstdio>
 #include <string>
 
 #include "clients/log/cat.hpp"
+#include "clients/log/export.hpp"
 #include "clients/log/log_info.hpp"
+#include "clients/log/plot.hpp"
 #include "clients/log/record.hpp"
 #include "clients/log/recover.hpp"
 #include "clients/log/replay.hpp"
@@ -26,6 +28,8 @@ struct Options {
   bool json = false;
   Selection selection;
   double speed = 1.0;
+  ExportOptions exported;
+  PlotOptions plot;
 };
 
 void add_file(CLI::App& sub, Options& options) {
@@ -47,17 +51,53 @@ void add_record(CLI::App& sub, Options& options) {
       ->check(finite_within(1e-3, kLongest).description(""));
 }
 
-void add_selection(CLI::App& sub, Options& options) {
-  sub.add_option("--channel", options.selection.channels,
+void add_times(CLI::App& sub, double& from_s, double& to_s) {
+  sub.add_option("--from", from_s, "Begin so long after the first message [s]")
+      ->type_name("S")
+      ->check(finite_within(0.0, kLongest).description(""));
+  sub.add_option("--to", to_s, "End so long after the first message [s]")
+      ->type_name("S")
+      ->check(finite_within(0.0, kLongest).description(""));
+}
+
+void add_selection(CLI::App& sub, Selection& selection) {
+  sub.add_option("--channel", selection.channels,
                  "Only this channel, whole or its end, e.g. LIVE/STATE; repeatable")
       ->type_name("NAME")
       ->allow_extra_args(false);
-  sub.add_option("--from", options.selection.from_s, "Begin so long after the first message [s]")
-      ->type_name("S")
-      ->check(finite_within(0.0, kLongest).description(""));
-  sub.add_option("--to", options.selection.to_s, "End so long after the first message [s]")
-      ->type_name("S")
-      ->check(finite_within(0.0, kLongest).description(""));
+  add_times(sub, selection.from_s, selection.to_s);
+}
+
+void add_export(CLI::App& sub, ExportOptions& options) {
+  sub.add_option("file", options.file, "A log")->required()->type_name("FILE");
+  sub.add_option("out", options.out,
+                 "A new file ending .mat or .mcap, or .csv: then one a channel, OUT.CHANNEL.csv")
+      ->required()
+      ->type_name("OUT");
+  sub.add_option("--format", options.format, "csv, mat or mcap; default: OUT's ending")
+      ->type_name("NAME")
+      ->check(one_of({"csv", "mat", "mcap"}).description(""));
+  add_selection(sub, options.selection);
+  sub.add_option("--every", options.every, "Of each channel, take every N-th message only")
+      ->type_name("N")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}).description(""));
+  sub.add_flag("--force", options.force, "Replace files that are there");
+  sub.add_flag_callback(
+      "--uncompressed", [&options] { options.compress = false; },
+      "Do not compress what is in a .mat or .mcap");
+}
+
+void add_plot(CLI::App& sub, PlotOptions& options) {
+  sub.add_option("file", options.file, "A log")->required()->type_name("FILE");
+  sub.add_option("--field", options.fields,
+                 "Draw this one, e.g. LIVE/STATE.tilt_rad[0], without [0] all of its elements; "
+                 "repeatable; default: tilt, disc, gimbals and torque of LIVE/STATE")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  add_times(sub, options.from_s, options.to_s);
+  sub.add_option("--output", options.output, "A new file; default: FILE's name, ending .svg")
+      ->type_name("OUT");
+  sub.add_flag("--force", options.force, "Replace the file that is there");
 }
 
 int run_record(const RigOptions& rig_options, const Options& options) {
@@ -87,7 +127,8 @@ int run_info(const Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Keeps the record of a rig in LCM's log format, shows it, plays it back, repairs it.",
+      "Keeps the record of a rig in LCM's log format, shows it, plays it back, repairs it, hands "
+      "it on.",
       "gyrotwin-log");
   app.footer(
       "Exit code 0: done; 1: not done, or not to the end; 2: asked wrongly.\n"
@@ -96,6 +137,8 @@ int main(int argc, char** argv) {
       "  gyrotwin log info run.lcm\n"
       "  gyrotwin log cat --channel LIVE/STATE --from 2 --to 3 --json run.lcm\n"
       "  gyrotwin log replay run.lcm\n"
+      "  gyrotwin log export run.lcm run.mcap   # or run.mat, run.csv\n"
+      "  gyrotwin log plot --field LIVE/STATE.tilt_rad --to 10 run.lcm\n"
       "  gyrotwin log recover broken.lcm whole.lcm");
   app.require_subcommand(0, 1);
   gyrotwin::Options options;
@@ -111,12 +154,12 @@ int main(int argc, char** argv) {
   CLI::App* cat = app.add_subcommand(
       "cat", "Messages of a log, one a line; what is zero is left out, but with --json");
   gyrotwin::add_file(*cat, options);
-  gyrotwin::add_selection(*cat, options);
+  gyrotwin::add_selection(*cat, options.selection);
   cat->add_flag("--json", options.json, "JSON lines with every field and digit");
 
   CLI::App* replay = app.add_subcommand("replay", "Send a log on the rig's bus, as recorded");
   gyrotwin::add_file(*replay, options);
-  gyrotwin::add_selection(*replay, options);
+  gyrotwin::add_selection(*replay, options.selection);
   replay->add_option("--speed", options.speed, "Recorded over wall time")
       ->type_name("X")
       ->capture_default_str()
@@ -127,6 +170,13 @@ int main(int argc, char** argv) {
   gyrotwin::add_file(*recover, options);
   recover->add_option("out", options.recovered, "A new file")->required()->type_name("OUT");
 
+  CLI::App* exported =
+      app.add_subcommand("export", "Turn a log into CSV, MATLAB's MAT or Foxglove's MCAP");
+  gyrotwin::add_export(*exported, options.exported);
+
+  CLI::App* plot = app.add_subcommand("plot", "Draw fields of a log over time, as SVG");
+  gyrotwin::add_plot(*plot, options.plot);
+
   return gyrotwin::run_program(argc, argv, app, [&] {
     if (record->parsed()) return gyrotwin::run_record(record_rig, options);
     if (info->parsed()) return gyrotwin::run_info(options);
@@ -136,6 +186,8 @@ int main(int argc, char** argv) {
       return gyrotwin::replay(rig, options.file, options.selection, options.speed);
     }
     if (recover->parsed()) return gyrotwin::recover(options.file, options.recovered);
-    throw CLI::RequiredError("record, info, cat, replay or recover");
+    if (exported->parsed()) return gyrotwin::export_log(options.exported);
+    if (plot->parsed()) return gyrotwin::plot_log(options.plot);
+    throw CLI::RequiredError("record, info, cat, replay, recover, export or plot");
   });
 }

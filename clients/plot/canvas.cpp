@@ -9,7 +9,7 @@ namespace gyrotwin {
 
 namespace {
 
-constexpr double kWidth = 640.0, kHeight = 400.0;
+constexpr double kWidth = 640.0;
 constexpr double kLetter = 6.6;  // width of one, about
 constexpr double kLegendLine = 18.0;
 constexpr int kColours = 7;
@@ -139,12 +139,14 @@ std::string escaped(const std::string& text) {
 }
 
 Canvas::Canvas(const std::string& title, const Axis& x, const Axis& y, std::span<const double> xs,
-               std::span<const double> ys, const std::vector<LegendEntry>& legend, double right)
+               std::span<const double> ys, const std::vector<LegendEntry>& legend, double right,
+               double height)
     : title_(title),
+      height_(height),
       left_(72.0),
       right_(kWidth - right),
       top_(34.0 + plan(legend, 72.0, kWidth - 16.0, 0.0).height),
-      bottom_(kHeight - 50.0),
+      bottom_(height - 50.0),
       x_(x, xs, left_, right_),
       y_(y, ys, bottom_, top_) {
   frame_ += text_at(left_, 20.0, "start", "t", title);
@@ -236,7 +238,7 @@ std::string Canvas::svg() const {
       "aria-label='{2}'><title>{2}</title>{3}<rect width='{0:.0f}' height='{1:.0f}' "
       "style='fill:var(--back)'/>{4}<svg x='{5:.1f}' y='{6:.1f}' width='{7:.1f}' height='{8:.1f}' "
       "viewBox='{5:.1f} {6:.1f} {7:.1f} {8:.1f}' style='overflow:hidden'>{9}</svg>{10}</svg>",
-      kWidth, kHeight, escaped(title_), kStyle, frame_, left_, top_, right_ - left_, bottom_ - top_,
+      kWidth, height_, escaped(title_), kStyle, frame_, left_, top_, right_ - left_, bottom_ - top_,
       inside_, outside_);
 }
 

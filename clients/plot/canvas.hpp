@@ -23,8 +23,10 @@ struct LegendEntry {
 class Canvas {
  public:
   /// @param right pixels kept free beside the axes
+  /// @param height of the whole drawing [pixel]
   Canvas(const std::string& title, const Axis& x, const Axis& y, std::span<const double> xs,
-         std::span<const double> ys, const std::vector<LegendEntry>& legend, double right = 16.0);
+         std::span<const double> ys, const std::vector<LegendEntry>& legend, double right = 16.0,
+         double height = 400.0);
 
   const Scale& x() const { return x_; }
   const Scale& y() const { return y_; }
@@ -45,6 +47,7 @@ class Canvas {
   void draw_axes(const Axis& x, const Axis& y);
 
   std::string title_;
+  double height_;
   double left_, right_, top_, bottom_;
   Scale x_, y_;
   std::string frame_, inside_, outside_;

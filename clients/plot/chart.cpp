@@ -52,7 +52,7 @@ std::string svg(const Chart& chart) {
       legend.push_back({curve.name, curve_sample(curve, curve.colour.value_or(colour))});
     ++colour;
   }
-  Canvas canvas(chart.title, chart.x, chart.y, xs, ys, legend);
+  Canvas canvas(chart.title, chart.x, chart.y, xs, ys, legend, 16.0, chart.height);
   colour = 0;
   for (const Curve& curve : chart.curves) {
     canvas.draw_curve(curve, curve.colour.value_or(colour));

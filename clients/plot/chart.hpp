@@ -38,6 +38,7 @@ struct Chart {
   Axis x, y;
   std::vector<Curve> curves;
   std::vector<Rule> rules = {};
+  double height = 400.0;  ///< of the drawing, which is 640 wide [pixel]
 };
 
 /// A plane of cells, each of one kind or of one value.
