@@ -3,6 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <variant>
 
 #include "services/runtime/error.hpp"
@@ -56,6 +58,25 @@ const ExperimentKind& experiment_of(std::string_view name) {
   std::ranges::transform(kExperiments, names.begin(), &ExperimentKind::name);
   throw Error(
       fmt::format("there is no experiment `{}`{}", name, did_you_mean(nearest(name, names))));
+}
+
+double watched_s(const ExperimentKind& kind, const Rig& rig) {
+  constexpr double kUsual = 10.0, kLongest = 1800.0;
+  if (kind.name != "run-down" || !rig.rotor_drive) return kUsual;
+  const auto [inertia, speed] = std::visit(
+      [](const auto& machine) -> std::pair<double, double> {
+        if constexpr (requires { machine.gyros; }) {
+          return {machine.gyros.rotor_inertia, std::abs(machine.gyros.rotor_speed)};
+        } else {
+          return {machine.gyro.rotor_inertia, std::abs(machine.gyro.rotor_speed)};
+        }
+      },
+      rig.machine);
+  // I n' = -(b n + c), from n to n/2.
+  const double b = rig.rotor_drive->viscous_drag, c = rig.rotor_drive->coulomb_drag;
+  const double half = b > 0.0 ? inertia / b * std::log((b * speed + c) / (0.5 * b * speed + c))
+                              : 0.5 * inertia * speed / c;
+  return std::isfinite(half) ? std::clamp(std::ceil(half), kUsual, kLongest) : kUsual;
 }
 
 std::vector<std::string> keys_of(const ExperimentKind& kind, const Rig& rig) {

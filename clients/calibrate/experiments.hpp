@@ -55,6 +55,11 @@ inline constexpr std::array<ExperimentKind, 4> kExperiments{{
 /// @throws Error when there is none of this name
 const ExperimentKind& experiment_of(std::string_view name);
 
+/// How long to watch so that it tells them [s, of the owner's time]: a run-down until the rotors
+/// have lost half their speed, so that drag that grows with speed and drag that does not are told
+/// apart.
+double watched_s(const ExperimentKind& kind, const Rig& rig);
+
 /// Keys that an experiment on a rig tells and that are asked for by default; none of a
 /// [rotor_drive] that the rig file lacks.
 std::vector<std::string> keys_of(const ExperimentKind& kind, const Rig& rig);

@@ -47,7 +47,8 @@ std::vector<Finding> findings(const Family& family, const Fit& fit, const Identi
     finding.refusal = refusal_of(finding.relative(), knowledge, family.parameters());
     const ExperimentKind* best = finding.identified() ? nullptr : best_for(parameter.key);
     if (best != nullptr) {
-      finding.advice = fmt::format("{} ({}) tells it: {}", best->name, best->does, best->because);
+      finding.advice = fmt::format("{} ({}) of {:.0f} s tells it: {}", best->name, best->does,
+                                   watched_s(*best, family.rig_at(fit.x)), best->because);
     }
     all.push_back(std::move(finding));
   }

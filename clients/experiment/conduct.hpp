@@ -15,7 +15,7 @@ namespace gyrotwin {
 struct ExperimentPlan {
   const ExperimentKind* kind;
   double driven_s = 5.0;       ///< coast-down: how long the law drives the disc [s]
-  double watched_s = 10.0;     ///< then, or altogether [s]
+  double watched_s = 10.0;     ///< then, or altogether [s]; watched_s() says how long is enough
   double tilt_rad = 0.1;       ///< swing: where a simulated rig starts
   double mass_kg = 0.0;        ///< swing: the counterweight
   double mass_height_m = 0.0;  ///< < 0: below the pivot

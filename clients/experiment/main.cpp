@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <iostream>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include "clients/common/interrupt.hpp"
@@ -20,6 +21,7 @@ namespace {
 struct Options {
   std::string file;
   ExperimentPlan plan{.kind = nullptr};
+  std::optional<double> duration_s;
   double lean_deg = 6.0;
   bool ready = false;
 };
@@ -27,10 +29,13 @@ struct Options {
 void add_experiment(CLI::App& app, const ExperimentKind& kind, Options& options) {
   CLI::App* sub = app.add_subcommand(std::string(kind.name), std::string(kind.does));
   sub->add_option("file", options.file, "A new log")->required()->type_name("FILE");
-  sub->add_option("--duration", options.plan.watched_s,
-                  "How long to watch, in the owner's time [s]")
+  sub->add_option(
+         "--duration", options.duration_s,
+         kind.name == "run-down"
+             ? "How long to watch, in the owner's time [s]; default: until the rotors have "
+               "lost half their speed"
+             : "How long to watch, in the owner's time [s]; default: 10")
       ->check(finite_within(0.1, 1e5).description(""))
-      ->capture_default_str()
       ->type_name("S");
   sub->add_flag("--ready", options.ready, "What is to be done by hand is done: do not ask");
   if (kind.name == "coast-down") {
@@ -91,6 +96,7 @@ int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
   if (app.get_subcommands().empty()) throw CLI::RequiredError("which experiment, e.g. swing,");
   ExperimentPlan& plan = options.plan;
   plan.kind = &experiment_of(app.get_subcommands().front()->get_name());
+  plan.watched_s = options.duration_s.value_or(watched_s(*plan.kind, rig));
   plan.tilt_rad = options.lean_deg * std::numbers::pi / 180.0;
   MonotonicClock clock;
   Asker asker(rig, clock);
@@ -106,6 +112,8 @@ int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
 
   const Interrupt interrupt;
   Recorder recorder(options.file, rig_words(rig_options));
+  std::printf("watches for %.3g s\n", plan.watched_s);
+  std::fflush(stdout);
   conduct(plan, rig, asker, [&] {
     recorder.require_running();
     return !interrupt.wanted();
@@ -135,7 +143,7 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  gyrotwin experiment coast-down coast.lcm --driven 5 --duration 15\n"
       "  gyrotwin experiment swing swing_8kg.lcm --mass 8 --height -0.4\n"
-      "  gyrotwin experiment run-down rotors.lcm --duration 120");
+      "  gyrotwin experiment run-down rotors.lcm");
   app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;

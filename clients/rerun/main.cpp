@@ -83,6 +83,12 @@ int run(const Options& options, bool mirror) {
               rig.name.c_str(), static_cast<long long>(account.heard),
               static_cast<long long>(account.made), static_cast<long long>(account.compared),
               static_cast<long long>(account.different));
+  if (account.unremembered > 0) {
+    std::printf(
+        "not compared: %lld commands of a run that began before the record; what the law "
+        "remembered then is not in it\n",
+        static_cast<long long>(account.unremembered));
+  }
   const std::string trouble = in_vain(account);
   if (!trouble.empty()) throw NotDone(options.file + ": " + trouble);
   if (account.different == 0) return kDone;

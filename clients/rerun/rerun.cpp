@@ -81,14 +81,17 @@ class Booking {
     message.header.sender_mono_ns = 0;
     ++account_.made;
     if (take_) take_(channel, encoded(message), us);
+    if (is_repeat(message)) return;
     comparison_.made(channel, epoch, message.header.sequence, comparable(message));
   }
   template <class Message>
   void recorded(Channel channel, const Message& message, std::int64_t epoch) {
+    if (is_repeat(message)) return;
     ++account_.recorded;
     comparison_.recorded(channel, epoch, message.header.sequence, comparable(message));
   }
   void heard() { ++account_.heard; }
+  void unremembered() { ++account_.unremembered; }
 
   Account account() const {
     Account account = account_;
@@ -99,6 +102,12 @@ class Booking {
   }
 
  private:
+  /// Told while the rig is HELD, as often as it pleased: nobody can say which belong together.
+  template <class Message>
+  static bool is_repeat(const Message& message) {
+    return message.header.sequence == 0;
+  }
+
   const Rig& rig_;
   std::int32_t source_;
   const Take& take_;
@@ -129,6 +138,10 @@ void feed(Mirror& mirror, const sensors_t& sensors, std::int64_t us, Booking& bo
 
 std::string in_vain(const Account& account) {
   if (account.made == 0) return "nothing came of it";
+  if (account.unremembered > 0 && account.compared == 0) {
+    return "the record begins in mid-run, and what the law remembered then is not in it: record "
+           "from before the rig is armed";
+  }
   if (account.recorded == 0 || account.compared > 0) return {};
   return fmt::format(
       "none of the {} recorded messages is a counterpart of one of the {} made, so nothing was "
@@ -196,6 +209,8 @@ Account rerun_controller(Log& log, const Rig& rig, RerunOn on, const Take& take)
   Controller controller(rig, kWriter);
   Booking booking(rig, header_t::CONTROLLER, take);
   const Channel answered = on == RerunOn::kTwin ? Channel::kTwinState : Channel::kState;
+  const bool remembers = controller.law().states() > 0;
+  std::optional<std::int64_t> begun, unknown;  // epochs of runs: heard from their start, or not
   while (const auto event = log.next()) {
     const std::optional<Channel> channel = channel_of(*event, rig);
     if (!channel) continue;
@@ -205,6 +220,12 @@ Account rerun_controller(Log& log, const Rig& rig, RerunOn on, const Take& take)
       command_t command{};
       if (!controller.answer(state, command)) continue;
       command.header = state.header;
+      const std::int64_t epoch = state.header.epoch;
+      if (begun != epoch && unknown != epoch) (state.header.tick <= 1 ? begun : unknown) = epoch;
+      if (remembers && unknown == epoch) {
+        booking.unremembered();
+        continue;
+      }
       booking.made(Channel::kCommand, command, command.owner_epoch, event->time_us);
     } else if (is_owner_status(*channel)) {
       booking.heard();

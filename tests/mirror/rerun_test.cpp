@@ -123,6 +123,55 @@ TEST(Rerun, CounterpartsOfWhichNoneIsComparedAreInVain) {
             std::string::npos);
 }
 
+// The owner repeats what it holds, and a recorder hears more or fewer of the answers.
+TEST(Rerun, RepeatsWhileHeldAreNotCompared) {
+  MirroredLoop loop("double_brennan", {"loop.state=estimate"});
+  Recorder recorder(loop.rig);
+  loop.hear();
+  for (int k = 0; k < 5; ++k) {
+    loop.sensors.gyro_rad_s[0] = 0.001 * k;  // other noise each time
+    recorder.keep(Channel::kSensors, loop.sensors);
+    state_t twin = loop.twin;
+    twin.header = loop.sensors.header;
+    if (k % 2 == 0) recorder.keep(Channel::kTwinState, twin);
+  }
+  Log log = support::open(recorder.log());
+  const Account account = rerun_mirror(log, loop.rig, {});
+  EXPECT_EQ(loop.sensors.header.sequence, 0);
+  EXPECT_EQ(account.compared, 0);
+  EXPECT_EQ(account.different, 0) << account.first_difference;
+}
+
+TEST(Rerun, ALawThatRemembersIsNotComparedFromMidRun) {
+  MirroredLoop loop("prototype_b", {"controller.law=constant_speed"});
+  const LogBytes whole = recorded(loop);
+  Log log = support::open(whole);
+  const Account all = rerun_controller(log, loop.rig, RerunOn::kLive, {});
+  EXPECT_EQ(all.unremembered, 0);
+  EXPECT_GT(all.compared, 400);
+  EXPECT_EQ(all.different, 0) << all.first_difference;
+
+  // The same without its first half second.
+  Log source = support::open(whole);
+  Recorder recorder(loop.rig);
+  while (const auto event = source.next()) {
+    const auto skip = [&](Channel channel, auto message) {
+      if (event->channel != loop.rig.network.prefix + "/" + std::string(spec(channel).suffix))
+        return;
+      Bus::decode({channel, false, event->data}, message);
+      if (message.header.tick > 500) recorder.keep(channel, message);
+    };
+    skip(Channel::kState, state_t{});
+    skip(Channel::kIntegratorStatus, status_t{});
+    skip(Channel::kCommand, command_t{});
+  }
+  Log late = support::open(recorder.log());
+  const Account account = rerun_controller(late, loop.rig, RerunOn::kLive, {});
+  EXPECT_GT(account.unremembered, 400);
+  EXPECT_EQ(account.compared, 0);
+  EXPECT_NE(in_vain(account).find("begins in mid-run"), std::string::npos) << in_vain(account);
+}
+
 TEST(Rerun, TheFirstDifferenceIsNamed) {
   MirroredLoop loop("double_brennan", {"loop.state=estimate"});
   const LogBytes bytes = recorded(loop, true);
