@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "clients/rerun/comparison.hpp"
+#include "services/runtime/bus.hpp"
 #include "tests/support/mirrored_loop.hpp"
 #include "tests/support/small_log.hpp"
 
