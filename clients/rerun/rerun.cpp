@@ -137,11 +137,11 @@ void feed(Mirror& mirror, const sensors_t& sensors, std::int64_t us, Booking& bo
 }  // namespace
 
 std::string in_vain(const Account& account) {
-  if (account.made == 0) return "nothing came of it";
   if (account.unremembered > 0 && account.compared == 0) {
     return "the record begins in mid-run, and what the law remembered then is not in it: record "
            "from before the rig is armed";
   }
+  if (account.made == 0) return "nothing came of it";
   if (account.recorded == 0 || account.compared > 0) return {};
   return fmt::format(
       "none of the {} recorded messages is a counterpart of one of the {} made, so nothing was "

@@ -92,6 +92,7 @@ TEST_P(BusTest, CarriesEveryChannel) {
   mouth.send(Channel::kTwinState, state, {});
   mouth.send(Channel::kHealth, health, {});
   mouth.send(Channel::kForecast, forecast, {});
+  mouth.send(Channel::kGatewayStatus, status, {});
   for (const ChannelSpec& row : kChannels) {
     const auto reception = receive_soon(ears);
     ASSERT_TRUE(reception);
