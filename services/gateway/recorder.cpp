@@ -83,6 +83,7 @@ void Recorder::begin() {
   if (child_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGINT);
     if (getppid() != parent) _exit(1);
+    close_range(STDERR_FILENO + 1, ~0u, 0);  // sockets are the gateway's alone
     execv(arguments[0], arguments.data());
     _exit(127);
   }

@@ -1,8 +1,8 @@
 // A drive that holds hard makes a machine's equations stiff.
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "services/model/machine.hpp"
 
@@ -23,17 +23,14 @@ inline std::array<double, model::kMaxDrives> lightness(const model::Machine& mac
   return lightness;
 }
 
-/// A rate that dies out by e^1.5 in a step is calm; Runge and Kutta's method bears e^2.8.
-inline constexpr double kCalm = 1.5;
-
-/// Of each drive's coordinate, the share of its acceleration that explicit steps of this length [s]
-/// bear with such a damping on it [N m s/rad]. Where it comes to rest stays the same.
-inline std::array<double, model::kMaxDrives> calm_shares(const model::Machine& machine,
-                                                         const model::State& state, double damping,
-                                                         double step_s) noexcept {
-  std::array<double, model::kMaxDrives> shares = lightness(machine, state);
-  for (double& share : shares) share = std::min(1.0, kCalm / (step_s * damping * share));
-  return shares;
+/// Share of a coordinate's acceleration that an explicit step [s] bears where a drive holds it with
+/// `torque` [N m] against `slip` [rad/s]. Where it comes to rest stays the same, it takes longer;
+/// a drive at its limit, which slips fast, is not softened.
+inline double calm_share(double lightness, double torque, double slip, double step_s) noexcept {
+  // A rate that dies out by e^1.5 in a step is calm; Runge and Kutta's method bears e^2.8.
+  const double borne = 1.5 * std::abs(slip);
+  const double asked = step_s * lightness * std::abs(torque);
+  return asked > borne ? borne / asked : 1.0;
 }
 
 }  // namespace gyrotwin

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/mirror/calm_damping.hpp"
+#include "services/model/dynamics.hpp"
+#include "services/model/forces.hpp"
+
 namespace gyrotwin {
 
 namespace {
@@ -22,14 +26,8 @@ Course::Course(const Rig& rig, double horizon_s, double step_s)
       horizon_(horizon_s),
       step_(step_s),
       friction_(machine_.disc_friction.coulomb),
-      calm_(calm_shares(machine_, rig.initial_state(machine_), rig.safety.gain, step_s)),
-      safe_stop_(rig, machine_) {
-  if (rig.safety.drive == SafeStopDrive::kZeroTorque) calm_.fill(1.0);
-  for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
-    // A motor's own brake is soft.
-    if (rig.safety.drive == SafeStopDrive::kBrake && machine_.drives[i].motor) calm_[i] = 1.0;
-  }
-}
+      lightness_(lightness(machine_, rig.initial_state(machine_))),
+      safe_stop_(rig, machine_) {}
 
 void Course::begin(const Outset& outset) noexcept {
   at_ = outset;
@@ -77,16 +75,32 @@ void Course::look() noexcept {
   over_ = outcome_.falls() || time_ >= horizon_ - 0.5 * step_;
 }
 
+/// Steps bear no drive that holds hard in its safe stop.
+void Course::calm_down(const model::State& state, const model::Input& input,
+                       model::Coordinates& acceleration) const noexcept {
+  if (at_.lawful || rig_.safety.drive == SafeStopDrive::kZeroTorque) return;
+  const bool brake = rig_.safety.drive == SafeStopDrive::kBrake;
+  model::Motion motion;
+  model::evaluate(machine_, state, input, motion);
+  for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
+    const model::Drive& drive = machine_.drives[i];
+    if (brake && drive.motor) continue;  // its brake is soft
+    const double rate = model::rate_of(machine_, motion, drive, state);
+    const double torque = drive.torque(input.mode, input.drive[i], rate);
+    const double slip = brake ? rate : input.drive[i] / rig_.safety.gain;
+    acceleration[drive.coordinate] *= calm_share(lightness_[i], torque, slip, step_);
+  }
+}
+
 bool Course::advance() noexcept {
   if (over_) return false;
   const double h = step_;
   const auto slope = [this](const model::State& at, double t) {
     model::State k;
     k.q = at.v;
-    k.v = machine_.acceleration(at, input(at, t), {});
-    for (std::size_t i = 0; !at_.lawful && i < machine_.drives.size(); ++i) {
-      k.v[machine_.drives[i].coordinate] *= calm_[i];
-    }
+    const model::Input acting = input(at, t);
+    k.v = machine_.acceleration(at, acting, {});
+    calm_down(at, acting, k.v);
     return k;
   };
   const auto moved = [this](const model::State& k, double dt) {

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "services/controller/law.hpp"
-#include "services/mirror/calm_damping.hpp"
 #include "services/model/machine.hpp"
 #include "services/onboard/safe_stop.hpp"
 #include "services/runtime/rig.hpp"
@@ -57,14 +56,16 @@ class Course {
   model::Input input(const model::State& state, double t) const noexcept;
   void look() noexcept;
   void step_memory() noexcept;
+  void calm_down(const model::State& state, const model::Input& input,
+                 model::Coordinates& acceleration) const noexcept;
 
   const Rig& rig_;
   model::Machine machine_;
   std::unique_ptr<Law> law_;
   double horizon_, step_;
-  double friction_;                             // the model's own [N m]
-  std::array<double, model::kMaxDrives> calm_;  // shares of acceleration in a safe stop
-  Outset at_;                                   // state and memory are those of now
+  double friction_;                                  // the model's own [N m]
+  std::array<double, model::kMaxDrives> lightness_;  // of what the drives turn
+  Outset at_;                                        // state and memory are those of now
   SafeStop safe_stop_;
   double time_ = 0.0;
   bool over_ = true;

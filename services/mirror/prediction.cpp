@@ -52,10 +52,7 @@ void Prediction::calm_down(const Motion& motion, const State& state,
     if (drive.motor) continue;  // its brake is soft
     const double rate = model::rate_of(machine_, motion, drive, state);
     const double torque = drive.torque(input_.mode, input_.drive[i], rate);
-    const double stiffness = substep * lightness_[i] * std::abs(torque);
-    if (stiffness > kCalm * std::abs(rate)) {
-      acceleration[drive.coordinate] *= kCalm * std::abs(rate) / stiffness;
-    }
+    acceleration[drive.coordinate] *= calm_share(lightness_[i], torque, rate, substep);
   }
 }
 

@@ -70,6 +70,15 @@ test('held charts stay, live ones go on', async () => {
   await until(page, () => document.querySelector('#freeze').getAttribute('aria-pressed') === 'false');
 });
 
+test('a recording is made, and can be fetched', async () => {
+  await page.getByRole('button', {name: 'Record', exact: true}).click();
+  await until(page, () => /● prototype_b.*\.lcm, [^0]/.test(document.body.textContent) || /● prototype_b.*, 0\.[1-9]/.test(document.body.textContent));
+  await page.getByRole('button', {name: 'End recording'}).click();
+  await until(page, () => /prototype_b-.*\.lcm \d/.test(document.querySelector('.files').textContent));
+  const [download] = await Promise.all([page.waitForEvent('download'), page.locator('.files a').first().click()]);
+  assert.match(download.suggestedFilename(), /^prototype_b-.*\.lcm$/);
+});
+
 test('everything is reached with the keyboard, and the focus is seen', async () => {
   await page.keyboard.press('Space');
   await until(page, () => document.querySelector('#mode').textContent === 'PAUSED');

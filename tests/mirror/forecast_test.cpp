@@ -63,6 +63,42 @@ INSTANTIATE_TEST_SUITE_P(Rigs, CourseOf,
                                          "double_brennan", "gyrocar", "brennan_monorail"),
                          [](const auto& test) { return std::string(test.param); });
 
+/// When the owner's plant has fallen, braked from a push at rest [s].
+double plant_falls_braked(const Rig& rig, double push_nms) {
+  const model::Machine machine = rig.build_machine();
+  Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = 64});
+  plant.set_state(rig.initial_state(machine));
+  SafeStop safe_stop(rig, machine);
+  safe_stop.begin(plant.state());
+  const double tick = rig.loop.tick_s();
+  for (double t = 0.0; t < 2.0; t += tick) {
+    if (machine.tilt(plant.state()) > rig.safety.fall_tilt_rad) return t;
+    model::Input input = safe_stop.input(plant.state());
+    input.moment.x() = push_nms / 0.02 * std::exp(-(t + 0.5 * tick) / 0.02);
+    if (!plant.advance(input)) return HUGE_VAL;
+  }
+  return HUGE_VAL;
+}
+
+// Pushed hard, the brakes are at their torque limit and give way.
+TEST(Course, ABrakedFallIsThePlants) {
+  const Rig rig = load_rig("double_brennan");
+  ASSERT_EQ(rig.safety.drive, SafeStopDrive::kBrake);
+  Course course(rig, 2.0, coarsest_step(rig));
+  for (const double share : {0.0, 1.0, 2.0}) {
+    const double push = share * rig.reference_impulse_nms;
+    Outset outset;
+    outset.state = outset.stopped_from = rig.initial_state(rig.build_machine());
+    outset.lawful = false;
+    outset.fade_s = 0.02;
+    outset.fading_moment.x() = push / outset.fade_s;
+    course.begin(outset);
+    while (course.advance()) {
+    }
+    EXPECT_NEAR(course.outcome().fell_at, plant_falls_braked(rig, push), 0.05) << push << " N m s";
+  }
+}
+
 const Trouble& trouble(std::string_view name, std::string_view rig) {
   for (const Trouble& one : support::troubles()) {
     if (one.name == name && one.rig == rig) return one;

@@ -16,6 +16,8 @@ export class Controls {
   private readonly size = el('input', {type: 'range', min: '0.1', max: '2', step: '0.1', value: '1', 'aria-label': 'Strength of a push'});
   private readonly sizeText = el('output');
   private readonly recordState = el('p', {class: 'numbers'});
+  private readonly files = el('ul', {class: 'files', 'aria-label': 'Recordings, the newest first'});
+  private listed = '';  // for which state of the recording
 
   constructor(private readonly live: Live) {
     for (const factor of PACES) this.pace.add(new Option(`× ${factor}`, String(factor)));
@@ -30,7 +32,7 @@ export class Controls {
     this.push = card('Push', this.pad(), el('label', {class: 'field wide'}, 'Strength', this.size, this.sizeText));
     this.recording = card('Recording', el('div', {class: 'buttons'},
       this.button('record', 'Record', 'w', () => live.record(!live.recording.on)),
-      el('a', {class: 'quiet', href: `recordings${location.search}`, target: '_blank', rel: 'noopener'}, 'all recordings')), this.recordState);
+      this.recordState), this.files);
   }
 
   private button(name: string, text: string, key: string, act: () => void, kind = ''): HTMLButtonElement {
@@ -99,8 +101,20 @@ export class Controls {
     if (rig) say(this.sizeText, `${(Number(this.size.value) * rig.impulse).toPrecision(3)} N m s`);
     this.drawHint(may, mode);
     const {on, file, bytes, error} = live.recording;
+    const state = `${live.connected} ${on} ${file}`;
+    if (live.connected && state !== this.listed) void this.list();
+    this.listed = state;
     say(this.recordState, error ?? (file ? `${on ? '● ' : ''}${file}, ${((bytes ?? 0) / 1e6).toFixed(1)} MB` : 'nothing recorded from here yet'));
     put(this.recordState, 'data-room', error ? 'gone' : on ? 'close' : 'unknown');
+  }
+
+  /** What can be fetched: asked for when a recording begins or ends. */
+  private async list(): Promise<void> {
+    const answer = await fetch(`recordings${location.search}`).catch(() => null);
+    if (!answer?.ok) return;
+    const found = await answer.json() as {name: string; bytes: number}[];
+    this.files.replaceChildren(...found.slice(0, 5).map(({name, bytes}) => el('li', {},
+      el('a', {href: `recordings/${name}${location.search}`, download: name}, name), ` ${(bytes / 1e6).toFixed(1)} MB`)));
   }
 
   private drawHint(may: boolean, mode: number | null): void {
