@@ -6,7 +6,6 @@
 #include <iostream>
 #include <numbers>
 #include <optional>
-#include <string_view>
 
 #include "clients/common/interrupt.hpp"
 #include "clients/experiment/conduct.hpp"
@@ -73,16 +72,6 @@ void wait_for_hands(const std::string& work, bool ready) {
   if (!std::getline(std::cin, line)) throw NotDone("stopped");
 }
 
-/// As a shell takes it for one word.
-std::string quoted(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
-
 std::vector<std::string> rig_words(const RigOptions& rig_options) {
   std::vector<std::string> words{"--rig", rig_options.name()};
   for (const std::string& key : rig_options.overrides()) {
@@ -139,7 +128,8 @@ int main(int argc, char** argv) {
                "gyrotwin-experiment");
   app.footer(
       "It asks the owner of the rig for everything, and needs a controller that is there to arm.\n"
-      "Ctrl-C disarms. Exit code 0: done; 1: refused, fallen, stopped; 2: asked wrongly.\n"
+      "What a simulated rig has to be started with for it, it says. Ctrl-C disarms.\n"
+      "Exit code 0: done; 1: refused, fallen, stopped; 2: asked wrongly.\n"
       "Examples:\n"
       "  gyrotwin experiment coast-down coast.lcm --driven 5 --duration 15\n"
       "  gyrotwin experiment swing swing_8kg.lcm --mass 8 --height -0.4\n"

@@ -1,6 +1,7 @@
 #include "clients/experiment/recorder.hpp"
 
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,6 +28,7 @@ std::string program() {
 [[noreturn]] void become(std::vector<std::string> words) {
   // Of a group of its own: Ctrl-C is for the experiment, which then has the record ended.
   ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGINT);  // an experiment that is killed ends its record
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());

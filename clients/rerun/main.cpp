@@ -1,4 +1,6 @@
 // gyrotwin-rerun: a record once more through mirror or controller.
+#include <spdlog/fmt/fmt.h>
+
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -65,6 +67,13 @@ void add_common(CLI::App& sub, Options& options) {
       ->allow_extra_args(false);
 }
 
+std::string outcome(const Account& account) {
+  if (account.compared == 0) return "none compared with a recorded one";
+  return fmt::format(
+      "{} compared with recorded ones: {}", account.compared,
+      account.different == 0 ? "identical" : fmt::format("{} differ", account.different));
+}
+
 int run(const Options& options, bool mirror) {
   Log log(options.file);
   const Rig rig = rig_of(log, options.file, options.overrides);
@@ -79,15 +88,10 @@ int run(const Options& options, bool mirror) {
   if (log.damage().any()) {
     std::fprintf(stderr, "%s is damaged: %s\n", options.file.c_str(), log.damage_text().c_str());
   }
-  std::printf("%s: %lld messages heard, %lld made; %lld compared with recorded ones, %lld differ\n",
-              rig.name.c_str(), static_cast<long long>(account.heard),
-              static_cast<long long>(account.made), static_cast<long long>(account.compared),
-              static_cast<long long>(account.different));
-  if (account.unremembered > 0) {
-    std::printf(
-        "not compared: %lld commands of a run that began before the record; what the law "
-        "remembered then is not in it\n",
-        static_cast<long long>(account.unremembered));
+  fmt::print("{}: {} messages heard, {} made; {}\n", rig.name, account.heard, account.made,
+             outcome(account));
+  if (account.unknown > 0 && account.compared > 0) {
+    fmt::print("not compared: {} messages; {}\n", account.unknown, account.why_unknown);
   }
   const std::string trouble = in_vain(account);
   if (!trouble.empty()) throw NotDone(options.file + ": " + trouble);
@@ -106,8 +110,10 @@ int main(int argc, char** argv) {
       "bytes. What they make is compared with what was recorded of them.",
       "gyrotwin-rerun");
   app.footer(
-      "Exit code 0: nothing differs; 1: something does, nothing came of it, or the record has "
-      "counterparts and none could be compared; 2: asked wrongly.\n"
+      "Compared is what hangs on the record alone: of a run that it has from the start, until an "
+      "answer is missing.\n"
+      "Exit code 0: nothing differs; 1: something does, or nothing could be compared; 2: asked "
+      "wrongly.\n"
       "Examples:\n"
       "  gyrotwin rerun mirror run.lcm --output twin.lcm\n"
       "  gyrotwin rerun controller run.lcm");

@@ -25,8 +25,8 @@ struct Account {
   std::int64_t compared = 0;       ///< with one of the record
   std::int64_t different = 0;      ///< of these
   std::string first_difference{};  ///< empty: none
-  /// Commands of runs that began before the record, of a law that remembers: not compared.
-  std::int64_t unremembered = 0;
+  std::int64_t unknown = 0;   ///< recorded, not compared: what was remembered is not in the record
+  std::string why_unknown{};  ///< of the first
 };
 
 /// Why it says nothing of the record; empty: it does.

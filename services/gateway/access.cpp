@@ -46,15 +46,9 @@ std::string_view role_name(Role role) {
   return role == Role::kObserver ? "observer" : "nobody";
 }
 
-Tokens make_tokens(const std::optional<Key>& key) {
-  Key secret{};
-  if (key) {
-    secret = *key;
-  } else {
-    randombytes_buf(secret.data(), secret.size());
-  }
-  return {.observer = token_of(secret, "gateway observer"),
-          .operator_ = token_of(secret, "gateway operator")};
+Tokens make_tokens(const Key& key) {
+  return {.observer = token_of(key, "gateway observer"),
+          .operator_ = token_of(key, "gateway operator")};
 }
 
 Access::Access(Tokens tokens, std::vector<std::string> origins, bool any_program)
@@ -102,7 +96,8 @@ std::string query_value(std::string_view target, std::string_view name) {
     for (std::size_t i = equals + 1; i < pair.size(); ++i) {
       std::uint8_t code = 0;
       if (pair[i] == '%' && i + 2 < pair.size() &&
-          std::from_chars(&pair[i + 1], &pair[i + 3], code, 16).ptr == &pair[i + 3]) {
+          std::from_chars(pair.data() + i + 1, pair.data() + i + 3, code, 16).ptr ==
+              pair.data() + i + 3) {
         value += static_cast<char>(code);
         i += 2;
       } else {

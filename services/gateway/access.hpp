@@ -21,9 +21,9 @@ struct Tokens {
   std::string observer, operator_;
 };
 
-/// Both follow from the rig's key, so that they last as long as it and every gateway has the same;
-/// without a key they are drawn anew.
-Tokens make_tokens(const std::optional<Key>& key);
+/// Both follow from a key, so that they last as long as it and every gateway that has it has the
+/// same.
+Tokens make_tokens(const Key& key);
 
 /// What a request over HTTP says of who asks.
 struct Caller {
@@ -46,8 +46,6 @@ class Access {
     std::string reason;  ///< why nobody, and the fix
   };
   Verdict judge(const Caller& caller) const;
-
-  const Tokens& tokens() const { return tokens_; }
 
  private:
   Tokens tokens_;

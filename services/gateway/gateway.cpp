@@ -13,8 +13,18 @@ using foxglove::Level;
 
 namespace {
 
-constexpr std::size_t kLargestText = 64 << 10;  // that is looked at [byte]
+constexpr std::int64_t kSilence = 2'000'000'000;  // without STATUS [ns]
+constexpr int kDeepest = 8;                       // arrays and objects in each other
 constexpr std::size_t kRequest = static_cast<std::size_t>(Channel::kRequest);
+
+/// @throws Error, or JSON's own, naming the place
+template <class Json>
+Json parsed(std::string_view text) {
+  return Json::parse(text, [](int depth, auto, auto&) {
+    if (depth > kDeepest) throw Error("JSON with more than 8 levels");
+    return true;
+  });
+}
 
 std::size_t index_of(Channel channel) { return static_cast<std::size_t>(channel); }
 
@@ -54,7 +64,10 @@ Gateway::Gateway(const Rig& rig, std::string_view rig_text, Requests::Send send,
       types_(lcm_sources()),
       session_(std::to_string(random_id())),
       parameters_(rig_text),
-      requests_(std::move(send)),
+      requests_([this, send = std::move(send)](request_t request, std::int64_t sequence) {
+        address(request);
+        send(request, sequence);
+      }),
       record_(std::move(record)) {
   std::vector<foxglove::Advertised> offered;
   for (const ChannelSpec& channel : kChannels) {
@@ -91,8 +104,7 @@ void Gateway::complain(Client& client, std::string_view text) {
 
 void Gateway::on_text(Client& client, std::string_view text) {
   try {
-    if (text.size() > kLargestText) throw Error("a text message of more than 64 KiB");
-    const Json json = Json::parse(text);
+    const Json json = parsed<Json>(text);
     if (!json.is_object()) throw Error("expected a JSON object with `op`");
     act(client, json);
   } catch (const std::exception& error) {  // JSON's own as well
@@ -238,19 +250,15 @@ void Gateway::on_binary(Client& client, std::span<const std::uint8_t> bytes, std
 
 void Gateway::request(Client& client, std::string_view json_text, std::int64_t now_ns) {
   try {
-    if (json_text.size() > kLargestText) throw Error("more than 64 KiB");
     // The same message from everywhere: as request_t names it.
-    const auto payload =
-        payload_from_json(*types_.find(kChannels[kRequest].type), nlohmann::json::parse(json_text));
+    const auto payload = payload_from_json(*types_.find(kChannels[kRequest].type),
+                                           parsed<nlohmann::json>(json_text));
     request_t request;
     request.decode(payload.data(), 0, static_cast<int>(payload.size()));
     if (!owner_) {
       throw Error("no owner of rig " + rig_.name + " is heard: start gyrotwin-integrator or " +
                   "gyrotwin-hardware");
     }
-    if (request.owner_epoch == 0) request.owner_epoch = owner_->header.epoch;
-    request.header.tick = owner_->header.tick;
-    request.header.sim_time_ns = owner_->header.sim_time_ns;
     if (!requests_.ask(request, now_ns)) throw Error("too many requests wait for an answer");
     ++counters_.requests;
   } catch (const std::exception& error) {
@@ -258,15 +266,25 @@ void Gateway::request(Client& client, std::string_view json_text, std::int64_t n
   }
 }
 
+/// To the owner's run as it is now: one request may have ended the run that the next was meant for.
+void Gateway::address(request_t& request) const {
+  if (!owner_) return;
+  if (request.owner_epoch == 0) request.owner_epoch = owner_->header.epoch;
+  request.header.tick = owner_->header.tick;
+  request.header.sim_time_ns = owner_->header.sim_time_ns;
+}
+
 void Gateway::on_reception(const Reception& reception, std::int64_t now_ns, std::uint64_t wall_ns) {
   const std::size_t index = index_of(reception.channel);
   if (reception.channel == Channel::kReply) {
     reply_t reply;
     Bus::decode(reception, reply);
+    if (owner_) owner_->header = reply.header;
     requests_.on_reply(reply, now_ns);
   }
   if (kChannels[index].type == kChannels[index_of(Channel::kIntegratorStatus)].type) {
     Bus::decode(reception, statuses_[index].emplace());
+    status_at_[index] = now_ns;
     if (is_owner_status(reception.channel)) owner_ = statuses_[index];
   }
   if (subscribers_[index] == 0) return;
@@ -282,12 +300,23 @@ void Gateway::on_reception(const Reception& reception, std::int64_t now_ns, std:
   }
 }
 
+/// Who is silent is not there.
+void Gateway::forget(std::int64_t now_ns) {
+  for (std::size_t i = 0; i < statuses_.size(); ++i) {
+    if (!statuses_[i] || now_ns - status_at_[i] < kSilence) continue;
+    if (owner_ && owner_->pid == statuses_[i]->pid) owner_.reset();
+    statuses_[i].reset();
+  }
+}
+
 void Gateway::on_timer(std::int64_t now_ns, std::uint64_t wall_ns) {
+  forget(now_ns);
   const bool answers = requests_.on_timer(now_ns);
   for (Client& client : clients_) {
     client.outbox.put(foxglove::time(wall_ns));
     if (!answers && client.role == Role::kOperator) {
-      complain(client, "request: the owner of rig " + rig_.name + " does not answer");
+      client.outbox.put_text(foxglove::status(
+          Level::kError, "request: the owner of rig " + rig_.name + " does not answer"));
     }
     const std::int64_t dropped = client.outbox.dropped();
     if (dropped > client.drops_told) {

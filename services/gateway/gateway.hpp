@@ -62,7 +62,7 @@ class Gateway {
 
   const std::list<Client>& clients() const { return clients_; }
   const GatewayCounters& counters() const { return counters_; }
-  /// Last STATUS on a channel; empty: none was heard.
+  /// Last STATUS on a channel; empty: none was heard lately.
   const std::optional<status_t>& status(Channel channel) const {
     return statuses_[static_cast<std::size_t>(channel)];
   }
@@ -81,6 +81,8 @@ class Gateway {
   void watch_parameters(Client& client, const Json& json, bool watch);
   void request(Client& client, std::string_view json_text, std::int64_t now_ns);
   void complain(Client& client, std::string_view text);
+  void address(request_t& request) const;
+  void forget(std::int64_t now_ns);
 
   const Rig& rig_;
   LcmTypes types_;
@@ -92,6 +94,7 @@ class Gateway {
   std::list<Client> clients_;
   std::array<int, kChannels.size()> subscribers_{};
   std::array<std::optional<status_t>, kChannels.size()> statuses_;
+  std::array<std::int64_t, kChannels.size()> status_at_{};  // when heard [ns]
   std::optional<status_t> owner_;
   GatewayCounters counters_;
 };

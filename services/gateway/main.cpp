@@ -3,6 +3,7 @@
 
 #include "services/gateway/service.hpp"
 #include "services/runtime/cli.hpp"
+#include "services/runtime/key.hpp"
 #include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {
@@ -21,7 +22,14 @@ struct Words {
 /// One port a rig, so that several share a host.
 Endpoint endpoint_of(const Words& words, const Rig& rig) {
   if (!words.listen.empty()) return parse_endpoint(words.listen);
-  return {.address = "127.0.0.1", .port = static_cast<std::uint16_t>(8764 + rig.id % 1000)};
+  return {.address = "127.0.0.1", .port = static_cast<std::uint16_t>(8764 + rig.id)};
+}
+
+/// Of a rig that is not signed: the gateway's alone, beside the keys.
+Key own_key(const Rig& rig) {
+  const std::filesystem::path path = key_path(rig.name).replace_extension(".gateway");
+  if (!std::filesystem::exists(path)) create_key(path);
+  return load_key(path);
 }
 
 std::filesystem::path default_recordings() {
@@ -48,7 +56,7 @@ int run(const RigOptions& rig_options, const Words& words) {
   for (const std::string& word : rig_options.overrides()) {
     options.rig_arguments.insert(options.rig_arguments.end(), {"--set", word});
   }
-  const Tokens tokens = make_tokens(config.key);
+  const Tokens tokens = make_tokens(config.key ? *config.key : own_key(rig));
   if (words.urls) {
     std::printf("operator  %s\nobserver  %s\n", url(options.endpoint, tokens.operator_).c_str(),
                 url(options.endpoint, tokens.observer).c_str());

@@ -24,8 +24,6 @@ class Page {
   /// @param path of a URL, without query. @return null when there is no such file
   const PageFile* find(std::string_view path) const;
 
-  std::size_t files() const { return files_.size(); }
-
  private:
   std::map<std::string, PageFile, std::less<>> files_;
 };

@@ -52,6 +52,11 @@ Recorder::~Recorder() {
 
 Json Recorder::wish(bool on) {
   look();
+  if (on && ending_ && child_ != 0) {
+    Json json = look();
+    json["error"] = "the last recording is being closed: try again in a moment";
+    return json;
+  }
   if (on && child_ == 0) begin();
   if (!on && child_ != 0 && !ending_) {
     kill(child_, SIGINT);
@@ -66,10 +71,12 @@ void Recorder::begin() {
   const std::time_t now = std::time(nullptr);
   std::tm local{};
   localtime_r(&now, &local);
-  file_ = fmt::format("{}-{:%Y%m%d-%H%M%S}{}", rig_name_, local, kEnd);
   error_ = failure ? folder_.string() + ": " + failure.message() : std::string();
   ending_ = false;
   if (failure) return;
+  const std::string stem = fmt::format("{}-{:%Y%m%d-%H%M%S}", rig_name_, local);
+  file_ = stem + std::string(kEnd);
+  for (int i = 2; fs::exists(folder_ / file_); ++i) file_ = fmt::format("{}-{}{}", stem, i, kEnd);
 
   std::error_code none;
   const fs::path program = fs::read_symlink("/proc/self/exe", none).parent_path() / "gyrotwin-log";

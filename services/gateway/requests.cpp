@@ -14,7 +14,8 @@ bool Requests::ask(request_t request, std::int64_t now_ns) {
     request.writer = writer_;
     request.counter = ++counter_;
   }
-  waiting_.push_back(request);
+  const bool urgent = request.verb == request_t::DISARM && waiting_.size() > 1;
+  waiting_.insert(urgent ? waiting_.begin() + 1 : waiting_.end(), request);
   if (waiting_.size() == 1) {
     ++sequence_;
     send(now_ns);

@@ -17,11 +17,12 @@ class Requests {
   static constexpr std::size_t kMost = 64;  ///< that wait for an answer
 
   /// Signs a request and sends it.
-  using Send = std::function<void(request_t& request, std::int64_t sequence)>;
+  using Send = std::function<void(request_t request, std::int64_t sequence)>;
 
   explicit Requests(Send send);
 
-  /// Puts a request in the queue; who asks without an identity gets the gateway's.
+  /// Puts a request in the queue, a DISARM before all that are not yet on their way; who asks
+  /// without an identity gets the gateway's.
   /// @return false when too many wait
   bool ask(request_t request, std::int64_t now_ns);
 

@@ -74,6 +74,7 @@ class Server::Impl {
   void flush() {
     for (const auto& session : sessions_) {
       if (session->client == nullptr) continue;
+      if (session->client->outbox.overfull()) beast::get_lowest_layer(session->socket).cancel();
       if (!session->client->outbox.empty()) session->wake.cancel();
     }
   }
@@ -176,8 +177,12 @@ class Server::Impl {
     http::response_serializer<Body> serializer(response);
     if (question.method() == http::verb::head) {
       co_await http::async_write_header(stream, serializer, use_awaitable);
-    } else {
-      co_await http::async_write(stream, serializer, use_awaitable);
+      co_return response.keep_alive();
+    }
+    // Patience is for each piece: a long recording takes as long as it takes.
+    while (!serializer.is_done()) {
+      stream.expires_after(kPatience);
+      co_await http::async_write_some(stream, serializer, use_awaitable);
     }
     co_return response.keep_alive();
   }
@@ -306,7 +311,6 @@ class Server::Impl {
         parts_.gateway.on_binary(*session.client, {data, size}, now);
       }
       buffer.consume(size);
-      if (session.client->outbox.overfull()) co_return;
       flush();
     }
   }

@@ -2,14 +2,15 @@
 
 #include <unistd.h>
 
+#include <array>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <chrono>
+#include <exception>
 #include <utility>  // before Asio, which forgets it
 
 #include "services/runtime/key.hpp"
@@ -45,7 +46,7 @@ class Loop {
         recorder_(rig.name, options.recordings, options.rig_arguments),
         gateway_(
             rig, options.rig_text,
-            [this](request_t& request, std::int64_t sequence) { ask(request, sequence); },
+            [this](request_t request, std::int64_t sequence) { ask(request, sequence); },
             [this](bool on) { return recorder_.wish(on); }),
         server_(io_, options.endpoint, {gateway_, access_, page_, recorder_, bus.counters()}),
         ear_(io_, dup(bus.descriptor())) {}
@@ -56,8 +57,11 @@ class Loop {
                 "shows rig {}, {}, on http://{}/; `gyrotwin gateway --urls` prints "
                 "whole addresses",
                 rig_.name, reach(rig_), host_of(server_.endpoint()));
-    asio::co_spawn(io_, hear(), asio::detached);
-    asio::co_spawn(io_, look_after(), asio::detached);
+    const auto pass_on = [](const std::exception_ptr& failure) {
+      if (failure) std::rethrow_exception(failure);
+    };
+    asio::co_spawn(io_, hear(), pass_on);
+    asio::co_spawn(io_, look_after(), pass_on);
     io_.run();
   }
 
@@ -107,6 +111,10 @@ class Loop {
     }
     fill_process(status, identity_, bus_.counters());
     bus_.send(Channel::kGatewayStatus, status, {epoch_, ++status_sequence_, 0, 0});
+    // Nobody hears himself on the bus.
+    std::array<std::uint8_t, kWireSize<status_t>> payload{};
+    status.encode(payload.data(), 0, static_cast<int>(payload.size()));
+    gateway_.on_reception({Channel::kGatewayStatus, false, payload}, clock_.now_ns(), wall_ns());
   }
 
   const Rig& rig_;

@@ -58,6 +58,24 @@ TEST(Experiment, ItsWordsPassTheIntegratorsStepCheck) {
   }
 }
 
+TEST(Experiment, ItsWordsAreAllThatIsNeeded) {
+  const std::vector<std::string> given{
+      "loop.rate_hz=250", "loop.substeps=1", "safety.safe_stop=hold_speed",
+      "safety.safe_stop_gain_nms_per_rad=1", "initial.q=[0, 0, 0, 0]"};
+  const std::string why = misfit(plan("run-down"), load_rig("prototype_b", given), true, given);
+  EXPECT_NE(why.find("--set loop.rate_hz=250 "), std::string::npos) << why;
+  EXPECT_NE(why.find("--set 'initial.q=[0, 0, 0, 0]'"), std::string::npos) << why;
+  EXPECT_EQ(why.find("loop.substeps"), why.rfind("loop.substeps")) << why;
+  std::vector<std::string> words = set_words(why);
+  std::erase_if(words, [](const std::string& word) { return word.starts_with("'"); });
+  EXPECT_EQ(misfit(plan("run-down"), load_rig("prototype_b", words), true, words), "");
+}
+
+TEST(Experiment, RefusesWhatTellsNothing) {
+  EXPECT_NE(misfit(plan("coast-down"), load_rig("double_brennan"), true).find("tells nothing"),
+            std::string::npos);
+}
+
 TEST(Experiment, WantsACounterweightThatMakesItHang) {
   ExperimentPlan light = plan("swing");
   light.mass_kg = 4.0;  // 15.7 N m/rad, and 18.1 topple it

@@ -66,7 +66,7 @@ class GatewayTest : public testing::Test {
   std::int64_t now_ = 0;
   std::vector<bool> wishes_;
   Gateway gateway_{rig_, print_rig("prototype_b", {}),
-                   [this](request_t& request, std::int64_t) { sent_.push_back(request); },
+                   [this](const request_t& request, std::int64_t) { sent_.push_back(request); },
                    [this](bool on) {
                      wishes_.push_back(on);
                      return foxglove::Json{{"on", on}, {"file", "a.lcm"}};

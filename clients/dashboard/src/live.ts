@@ -21,6 +21,7 @@ export const STALE = 1;  // [s]
 /** A message, taken apart when somebody looks at it. */
 export class Heard<T> {
   private known: T | null = null;
+  readonly here = performance.now();  // when it came to the page [ms]
   /** @param at when it came to the gateway, its clock [s] */
   constructor(private readonly reader: MessageReader, private readonly bytes: Uint8Array, readonly at: number) {}
   get value(): T {
@@ -34,6 +35,28 @@ export interface Recording { on: boolean; file?: string; bytes?: number; error?:
 type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';
 export const DAEMONS: readonly Topic[] = ['INTEGRATOR/STATUS', 'HARDWARE/STATUS', 'CONTROLLER/STATUS', 'MIRROR/STATUS',
   'GATEWAY/STATUS'];
+
+/** From the page's clock to the gateway's [s]: the least delayed message of the last 10 to 20 s tells it best. */
+class ClockDifference {
+  private static readonly window = 10;  // [s]
+  private best = -Infinity;
+  private before = -Infinity;
+  private since = 0;
+
+  get offset(): number {
+    const best = Math.max(this.best, this.before);
+    return best === -Infinity ? 0 : best;
+  }
+  hear(at: number): void {
+    const here = performance.now() * 1e-3;
+    if (here - this.since > ClockDifference.window) {
+      this.before = this.best;
+      this.best = -Infinity;
+      this.since = here;
+    }
+    this.best = Math.max(this.best, at - here);
+  }
+}
 
 interface Subscribed { topic: Topic; reader: MessageReader; layout: Layout }
 
@@ -64,7 +87,8 @@ export class Live {
   private subscriptions = new Map<number, Subscribed>();
   private readonly writer = new Writer();
   private readonly asked = new Map<string, {what: string; timer: ReturnType<typeof setTimeout>}>();
-  private offset = -Infinity;  // from performance's clock to that of the gateway [s]
+  private readonly clock = new ClockDifference();
+  private listening = false;
   private said = {mode: -1, health: '', falls: false, epoch: -1n};
 
   constructor(url: string, private readonly ready: (live: Live, again: boolean) => void) {
@@ -77,8 +101,9 @@ export class Live {
   }
 
   /** Time of the gateway's clock [s]. */
-  now(): number { return performance.now() * 1e-3 + (this.offset === -Infinity ? 0 : this.offset); }
-  age(heard: Heard<unknown> | null | undefined): number { return heard ? this.now() - heard.at : Infinity; }
+  now(): number { return performance.now() * 1e-3 + this.clock.offset; }
+  /** By the page's own clock [s]. */
+  age(heard: Heard<unknown> | null | undefined): number { return heard ? 1e-3 * (performance.now() - heard.here) : Infinity; }
   get isOperator(): boolean { return this.role === 'operator'; }
 
   /** STATUS of whoever owns the plant, the last that spoke. */
@@ -119,7 +144,7 @@ export class Live {
 
   private closed(): void {
     if (this.connected) this.happen('bad', 'gateway', 'the connection is lost');
-    this.connected = false;
+    this.connected = this.listening = false;
     this.subscriptions = new Map();
   }
 
@@ -157,6 +182,8 @@ export class Live {
 
   /** The flood begins: best once the page can draw it. */
   listen(): void {
+    if (this.listening || !this.connected) return;
+    this.listening = true;
     const subscriptions = [...this.subscriptions.keys()].map((id) => ({id, channelId: id}));
     this.connection.send({op: 'subscribe', subscriptions});
   }
@@ -183,9 +210,7 @@ export class Live {
     const subscribed = this.subscriptions.get(data.subscription);
     if (!subscribed) return;
     const at = seconds(data.time);
-    const early = at - performance.now() * 1e-3;
-    // The least delayed message tells the clocks' difference best; a clock that was set is followed.
-    this.offset = early > this.offset || early < this.offset - 5 ? early : this.offset;
+    this.clock.hear(at);
     const heard = <T extends Topics[Topic]>(): Heard<T> => new Heard<T>(subscribed.reader, data.bytes, at);
     const numbers = (): Numbers => new Numbers(subscribed.layout, data.bytes);
     switch (subscribed.topic) {

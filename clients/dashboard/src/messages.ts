@@ -29,12 +29,7 @@ export interface State {
 export interface Truth {
   header: Header;
   contact_lower_n: Float64Array;
-  contact_upper_n: Float64Array;
   holding_moment_nm: Float64Array;
-  external_moment_nm: Float64Array;
-  kinetic_energy_j: number;
-  potential_energy_j: number;
-  load_cell_n: number;
   drive_margin_nm: Float64Array;
 }
 
@@ -70,8 +65,6 @@ export interface Health {
   sensor_verdict: Int32Array;
   nis_total: number;
   external_moment_nm: Float64Array;
-  external_moment_sigma_nm: Float64Array;
-  disc_friction_nm: number;
   text: string;
 }
 
@@ -83,8 +76,6 @@ export interface Forecast {
   falls_in_ns: bigint;
   peak_tilt_rad: number;
   peak_in_ns: bigint;
-  saturates_in_ns: bigint;
-  fall_probability: number;
 }
 
 export interface Link {
@@ -132,6 +123,5 @@ export const MODES: Record<number, string> = {
 export const HELD = 0, RUNNING = 1, PAUSED = 2, SAFE_STOP = 3, FALLEN = 4, FAULT = 5;
 export const SENSORS = ['gyro', 'accelerometer', 'disc', 'gimbals', 'rotors', 'currents', 'bus voltage', 'load cell'];
 export const SENSOR_VERDICTS = ['', 'agrees', 'disagrees', 'stuck', 'silent', 'insane', 'late'];
-export const HARDWARE_SOURCE = 2;
 
 export const seconds = (ns: bigint): number => Number(ns) * 1e-9;

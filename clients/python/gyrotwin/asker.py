@@ -89,7 +89,12 @@ class Operator:
         """
         if q is None and v is None:
             return self._ask(request_t.RESET)
-        return self._ask(request_t.RESET, initial_given=1, initial_q=q or (), initial_v=v or ())
+        return self._ask(
+            request_t.RESET,
+            initial_given=1,
+            initial_q=() if q is None else q,
+            initial_v=() if v is None else v,
+        )
 
     def speed(self, factor: float) -> Reply:
         """Simulated over wall time [1], e.g. 0.5 is half as fast."""
