@@ -12,7 +12,7 @@
 #include "services/runtime/rig_reader.hpp"
 #include "services/runtime/spelling.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -115,4 +115,4 @@ Neighbourhood Family::around(std::span<const double> x) const {
   return all;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

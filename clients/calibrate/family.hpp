@@ -8,7 +8,7 @@
 #include "services/model/machine.hpp"
 #include "services/runtime/rig.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// A key of the rig file that is sought.
 struct Parameter {
@@ -56,4 +56,4 @@ class Family {
   bool rotors_run_ = false;
 };
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

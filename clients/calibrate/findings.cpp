@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -55,4 +55,4 @@ std::vector<Finding> findings(const Family& family, const Fit& fit, const Identi
   return all;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -7,7 +7,7 @@
 #include "clients/calibrate/experiments.hpp"
 #include "clients/calibrate/fit.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// One parameter's end.
 struct Finding {
@@ -28,4 +28,4 @@ inline constexpr double kRefused = 0.3;
 /// @param known of the fit, deviations inflated where the fit asks for it
 std::vector<Finding> findings(const Family& family, const Fit& fit, const Identifiability& known);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -11,7 +11,7 @@
 
 #include "services/runtime/error.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -332,4 +332,4 @@ Fit fit(const Family& family, const Rig& rig, const std::vector<Stretch>& stretc
   return Search(family, rig, stretches, cuts, options).run();
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -10,7 +10,7 @@
 #include "clients/calibrate/information.hpp"
 #include "clients/calibrate/segment.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// Where a search stands.
 struct FitProgress {
@@ -68,4 +68,4 @@ struct Fit {
 Fit fit(const Family& family, const Rig& rig, const std::vector<Stretch>& stretches,
         const Cuts& cuts, const FitOptions& options);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -13,7 +13,7 @@
 #include "services/model/linearise.hpp"
 #include "services/runtime/error.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -84,7 +84,6 @@ struct Flow::Solver {
   Eigen::MatrixXd S;
 
   // Derivatives where they were asked for last: the corrector asks again at the same place.
-  long restarts_=0,steps_=0;mutable long rhs_=0,sens_=0;
   Eigen::VectorXd place;
   RateDerivatives derivatives;
 
@@ -99,7 +98,6 @@ struct Flow::Solver {
   Solver(const Solver&) = delete;
   Solver& operator=(const Solver&) = delete;
   ~Solver() {
-    fprintf(stderr,"TMP cols %d restarts %ld steps %ld rhs %ld sens %ld\n",(int)columns,restarts_,steps_,rhs_,sens_);
     if (memory) CVodeFree(&memory);
     if (corrector) SUNNonlinSolFree(corrector);
     if (sensitivity_corrector) SUNNonlinSolFree(sensitivity_corrector);
@@ -110,7 +108,6 @@ struct Flow::Solver {
 
   static int right_hand_side(realtype, N_Vector at, N_Vector rate, void* context) {
     const auto& self = *static_cast<Solver*>(context);
-    self.rhs_++;
     const model::Machine& machine = self.around.machine;
     packed_rates(machine, unpack(machine, N_VGetArrayPointer(at), self.held), *self.input,
                  N_VGetArrayPointer(rate));
@@ -122,7 +119,7 @@ struct Flow::Solver {
     auto& self = *static_cast<Solver*>(context);
     const Eigen::Map<const Eigen::VectorXd> here(N_VGetArrayPointer(at), self.size);
     if (self.place.size() != self.size || self.place != here) {
-      self.place = here;self.sens_++;
+      self.place = here;
       self.derivatives = rate_derivatives(self.around, self.place, *self.input, self.held);
     }
     for (int i = 0; i < count; ++i) {
@@ -200,7 +197,7 @@ bool Flow::advance(const model::Input& input, double dt, double lasts) {
   Solver& s = *solver_;
   bool ok = true;
   if (!s.input || !alike(*s.input, input)) {
-    s.input = input;s.restarts_++;
+    s.input = input;
     s.place.resize(0);
     s.time = 0.0;
     s.write();
@@ -213,7 +210,6 @@ bool Flow::advance(const model::Input& input, double dt, double lasts) {
   s.time += dt;
   ok = ok && CVode(s.memory, s.time, s.state, &t, CV_NORMAL) >= 0;
   if (ok && s.columns > 0) ok = CVodeGetSens(s.memory, &t, s.sensitivities) == CV_SUCCESS;
-  long st=0;CVodeGetNumSteps(s.memory,&st);if(s.time<=dt*1.5)s.steps_+=st;
   if (ok) s.read();
   return ok && s.y.allFinite() && s.S.allFinite();
 }
@@ -224,4 +220,4 @@ model::State Flow::unpacked() const {
   return unpack(solver_->around.machine, solver_->y.data(), solver_->held);
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -8,7 +8,7 @@
 #include "clients/calibrate/family.hpp"
 #include "services/model/machine.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// Derivatives of packed rates (see pack() in services/integrator/plant.hpp).
 struct RateDerivatives {
@@ -57,4 +57,4 @@ class Flow {
 /// Whether two inputs act alike.
 bool alike(const model::Input& a, const model::Input& b);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

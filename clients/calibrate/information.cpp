@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -125,4 +125,4 @@ Identifiability identify(const Eigen::MatrixXd& root, double inflation) {
   return all;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -7,7 +7,7 @@
 
 #include "clients/calibrate/segment.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// Collects the derivatives of the segments of one fit and eliminates every state as it goes.
 class InformationFilter {
@@ -47,4 +47,4 @@ struct Identifiability {
 /// @param inflation factor on every standard deviation
 Identifiability identify(const Eigen::MatrixXd& root, double inflation);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -13,7 +14,7 @@
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -125,13 +126,16 @@ Cuts cuts_of(const Options& options, const model::Machine& machine,
   return cuts;
 }
 
-/// Says on a terminal how far it is.
+/// Says how far it is: on a terminal all the time, elsewhere now and then in a line of its own.
 class Progress {
  public:
   bool show(const FitProgress& p) {
-    if (terminal_) {
-      std::fprintf(stderr, "\r\x1b[K%s, step %d, chi^2 %.6g",
-                   p.parameters_free ? "parameters" : "states", p.iteration, p.chi_square);
+    const auto now = std::chrono::steady_clock::now();
+    if (terminal_ || now - said_ > kSilence) {
+      said_ = now;
+      fmt::print(stderr, "{}{}, step {}, chi^2 {:.6g}{}", terminal_ ? "\r\x1b[K" : "",
+                 p.parameters_free ? "parameters" : "states", p.iteration, p.chi_square,
+                 terminal_ ? "" : "\n");
     }
     return !interrupt_.wanted();
   }
@@ -140,8 +144,10 @@ class Progress {
   }
 
  private:
+  static constexpr std::chrono::seconds kSilence{10};
   Interrupt interrupt_;
   bool terminal_ = isatty(STDERR_FILENO) == 1;
+  std::chrono::steady_clock::time_point said_ = std::chrono::steady_clock::now();
 };
 
 void write_new(const std::string& name, const std::string& text) {
@@ -215,16 +221,16 @@ std::string footer() {
 
 }  // namespace
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration
 
 int main(int argc, char** argv) {
   CLI::App app("Finds parameters of a rig, with their covariance, from logs of its runs.",
                "gyrotwin-calibrate");
-  app.footer(gyrotwin::footer());
+  app.footer(gyrotwin::calibration::footer());
   const gyrotwin::RigOptions rig_options(app);
-  gyrotwin::Options options;
-  gyrotwin::add_what(app, options);
-  gyrotwin::add_how(app, options);
+  gyrotwin::calibration::Options options;
+  gyrotwin::calibration::add_what(app, options);
+  gyrotwin::calibration::add_how(app, options);
   return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(rig_options, options); });
+                               [&] { return gyrotwin::calibration::run(rig_options, options); });
 }

@@ -7,7 +7,7 @@
 #include "services/model/dynamics.hpp"
 #include "services/model/forces.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -197,4 +197,4 @@ ReadingDerivatives reading_derivatives(const Neighbourhood& around, const model:
   return d;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

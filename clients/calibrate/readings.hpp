@@ -12,7 +12,7 @@
 #include "services/model/machine.hpp"
 #include "services/runtime/rig.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// Sensors that a model can be held against.
 enum class SensorKind : std::uint8_t {
@@ -59,4 +59,4 @@ struct ReadingDerivatives {
 ReadingDerivatives reading_derivatives(const Neighbourhood& around, const model::State& state,
                                        const model::Input& input, const Rig::Sensors& sensors);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -13,7 +13,7 @@
 #include "services/runtime/error.hpp"
 #include "services/runtime/observation_wire.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -203,6 +203,13 @@ class Cutter {
     return t >= circumstances_.from_s && t <= circumstances_.to_s;
   }
 
+  /// Whether there is a current of every motor.
+  bool has_currents(const sensors_t& sensors) const {
+    return (sensors.valid & sensors_t::VALID_CURRENTS) != 0 &&
+           std::all_of(sensors.drive_current_a, sensors.drive_current_a + machine_.drives.size(),
+                       [](double current) { return std::isfinite(current); });
+  }
+
   /// What acts from tick `i` on to the next one.
   bool is_known(const Run& run, std::size_t i) const {
     if (i + 1 >= run.ticks.size()) return false;
@@ -224,7 +231,7 @@ class Cutter {
     // A current is that of the end of its tick.
     if (circumstances_.drive == DriveSource::kCurrent && told + 1 < run.ticks.size()) {
       const auto& next = run.ticks[told + 1].sensors;
-      if (next && (next->valid & sensors_t::VALID_CURRENTS) != 0) {
+      if (next && has_currents(*next)) {
         std::copy_n(next->drive_current_a, model::kMaxDrives, moment.current.emplace().begin());
       }
     }
@@ -321,4 +328,4 @@ std::vector<Stretch> read_runs(const std::filesystem::path& path, const Rig& rig
   return stretches;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

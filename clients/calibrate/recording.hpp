@@ -12,7 +12,7 @@
 #include "services/model/machine.hpp"
 #include "services/runtime/rig.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// Where the drives' torques are taken from.
 enum class DriveSource : std::uint8_t {
@@ -56,4 +56,4 @@ struct Circumstances {
 std::vector<Stretch> read_runs(const std::filesystem::path& log, const Rig& rig,
                                const model::Machine& machine, const Circumstances& circumstances);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

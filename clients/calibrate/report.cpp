@@ -12,7 +12,7 @@
 #include "clients/plot/chart.hpp"
 #include "clients/plot/page.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -233,4 +233,4 @@ std::string rig_file_of(const Calibration& c, const std::string& document) {
   return with_values(document, values);
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

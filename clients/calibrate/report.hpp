@@ -6,7 +6,7 @@
 
 #include "clients/calibrate/findings.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// A fit and all that is told of it.
 struct Calibration {
@@ -27,4 +27,4 @@ std::string page_of(const Calibration& calibration);
 /// @param document the rig file's text
 std::string rig_file_of(const Calibration& calibration, const std::string& document);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

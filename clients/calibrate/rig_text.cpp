@@ -9,7 +9,7 @@
 
 #include "services/runtime/error.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -151,4 +151,4 @@ std::string number_with_sigma(double value, double sigma) {
   return text;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// A key's new number.
 struct NewValue {
@@ -23,4 +23,4 @@ std::string with_values(std::string_view document, const std::vector<NewValue>& 
 /// A number with so many digits that rounding is far below its standard deviation.
 std::string number_with_sigma(double value, double sigma);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -8,7 +8,7 @@
 #include "services/integrator/plant.hpp"
 #include "services/onboard/estimator.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 namespace {
 
@@ -23,9 +23,9 @@ model::State seen_state(const sensors_t& sensors, const model::Machine& machine)
   return machine.recall(seen);
 }
 
-/// A line through the angles around a moment: value and slope at it.
-void fit_lines(const Stretch& stretch, std::size_t at, double tick_s, const model::Machine& machine,
-               model::State& state) {
+/// Lines through what a sensor says of some coordinates around a moment: value and slope at it.
+void fit_lines(const Stretch& stretch, std::size_t at, const model::Machine& machine,
+               std::int32_t sensor, const std::vector<int>& coordinates, model::State& state) {
   const std::size_t first = at > kSlopeTicks ? at - kSlopeTicks : 0;
   const std::size_t last = std::min(stretch.moments.size() - 1, at + kSlopeTicks);
   double count = 0.0;
@@ -34,9 +34,11 @@ void fit_lines(const Stretch& stretch, std::size_t at, double tick_s, const mode
   model::Coordinates sum_q = model::Coordinates::Zero();
   model::Coordinates sum_tq = model::Coordinates::Zero();
   for (std::size_t i = first; i <= last; ++i) {
-    if (!stretch.moments[i].sensors) continue;
-    const double t = tick_s * (static_cast<double>(i) - static_cast<double>(at));
-    const model::Coordinates q = seen_state(*stretch.moments[i].sensors, machine).q;
+    const auto& sensors = stretch.moments[i].sensors;
+    if (!sensors || (sensors->valid & sensor) == 0) continue;
+    const double t = stretch.tick_s * (static_cast<double>(i) - static_cast<double>(at));
+    const model::Coordinates q = seen_state(*sensors, machine).q;
+    if (!std::ranges::all_of(coordinates, [&](int c) { return std::isfinite(q[c]); })) continue;
     count += 1.0;
     sum_t += t;
     sum_tt += t * t;
@@ -47,13 +49,10 @@ void fit_lines(const Stretch& stretch, std::size_t at, double tick_s, const mode
   if (spread <= 0.0) return;
   const model::Coordinates slope = (count * sum_tq - sum_t * sum_q) / spread;
   const model::Coordinates value = (sum_q - slope * sum_t) / count;
-  const auto take = [&](int coordinate) {
-    if (coordinate == model::kFixed) return;
+  for (const int coordinate : coordinates) {
     state.q[coordinate] = value[coordinate];
     state.v[coordinate] = slope[coordinate];
-  };
-  take(machine.layout.disc);
-  for (const auto& gimbal : machine.layout.gimbals) take(gimbal.coordinate);
+  }
 }
 
 /// A state at every moment: tilts by the onboard estimator, other angles by lines through them.
@@ -61,15 +60,23 @@ std::vector<model::State> guess(const Rig& rig, const model::Machine& machine,
                                 const Stretch& stretch) {
   OnboardEstimator estimator(rig, machine);
   estimator.forget();
+  std::vector<int> disc;
+  std::vector<int> gimbals;
+  if (machine.layout.disc != model::kFixed) disc.push_back(machine.layout.disc);
+  for (const auto& gimbal : machine.layout.gimbals) gimbals.push_back(gimbal.coordinate);
   std::vector<model::State> states;
   for (std::size_t i = 0; i < stretch.moments.size(); ++i) {
     const auto& sensors = stretch.moments[i].sensors;
     estimator.step(sensors ? *sensors : sensors_t{});
     model::State state = machine.recall(estimator.seen());
     state.rotor_speed = machine.nominal_rotor_speed;
-    fit_lines(stretch, i, rig.loop.tick_s(), machine, state);
+    fit_lines(stretch, i, machine, sensors_t::VALID_DISC, disc, state);
+    fit_lines(stretch, i, machine, sensors_t::VALID_GIMBALS, gimbals, state);
     if (sensors && (sensors->valid & sensors_t::VALID_ROTORS) != 0) {
-      state.rotor_speed = seen_state(*sensors, machine).rotor_speed;
+      const model::RotorSpeeds speed = seen_state(*sensors, machine).rotor_speed;
+      for (std::size_t j = 0; j < speed.size(); ++j) {
+        if (std::isfinite(speed[j])) state.rotor_speed[j] = speed[j];
+      }
     }
     states.push_back(state);
   }
@@ -301,4 +308,4 @@ bool shoot(const Segment& segment, const Neighbourhood& around, const Rig::Senso
   return true;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -10,7 +10,7 @@
 #include "clients/calibrate/readings.hpp"
 #include "clients/calibrate/recording.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 
 /// What is compared, and where the runs are cut.
 struct Cuts {
@@ -83,4 +83,4 @@ double seam_sigma(Eigen::Index i, int n);
 /// The input of a moment for a machine: where currents tell the torques, by its motor constants.
 model::Input input_of(const Moment& moment, const model::Machine& machine);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

@@ -81,6 +81,7 @@ struct RunToRecord {
   std::int32_t mode = status_t::MODE_RUNNING;
   std::function<void(model::Input&)> load = {};  ///< what acts besides
   bool spin_down = false;                        ///< asked for before the first tick
+  std::function<void(std::int64_t tick, sensors_t&)> spoil = {};  ///< what is measured
 };
 
 /// Runs it in the very steps of a live system and writes the log.
@@ -103,6 +104,7 @@ inline void record_run(const std::filesystem::path& path, const RunToRecord& wha
     sensors_t sensors{};
     loop.simulated.measure(k, loop.plant.state(), loop.input,
                            loop.machine.truth(loop.plant.state(), loop.input), sensors);
+    if (what.spoil) what.spoil(k, sensors);
     state_t state{};
     state.mode = what.mode;
     log.add(Channel::kSensors, sensors, k);

@@ -2,17 +2,19 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include "clients/calibrate/experiments.hpp"
 #include "clients/calibrate/family.hpp"
 #include "clients/calibrate/recording.hpp"
 #include "clients/calibrate/rig_text.hpp"
+#include "clients/calibrate/segment.hpp"
 #include "services/runtime/error.hpp"
 #include "services/runtime/rig_reader.hpp"
 #include "tests/support/recorded_run.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 namespace {
 
 using support::Folder;
@@ -182,5 +184,85 @@ TEST_F(Recording, RefusesALogWithoutSensors) {
             std::string::npos);
 }
 
+/// 40 ticks of SENSORS, STATE and COMMAND, a torque of 1 N m; `change` spoils some.
+void write_log(const std::filesystem::path& path, const std::string& rig_name,
+               const std::function<void(std::int64_t tick, sensors_t&, command_t&)>& change) {
+  const Rig rig = load_rig(rig_name);
+  support::LogMaker log(path, rig, print_rig(rig_name, {}));
+  for (std::int64_t k = 0; k < 40; ++k) {
+    sensors_t sensors{};
+    sensors.valid |= sensors_t::VALID_GYRO;
+    sensors.valid |= sensors_t::VALID_CURRENTS;
+    command_t command{};
+    command.mode = command_t::TORQUE_NM;
+    command.valid_ticks = 5;
+    command.value[0] = 1.0;
+    command.for_tick = k;
+    command.owner_epoch = support::LogMaker::kEpoch;
+    command.writer = 1;
+    command.counter = k + 1;
+    change(k, sensors, command);
+    state_t state{};
+    state.mode = status_t::MODE_RUNNING;
+    log.add(Channel::kSensors, sensors, k);
+    log.add(Channel::kState, state, k);
+    log.add(Channel::kCommand, command, k);
+  }
+}
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST_F(Recording, HoldsTheCommandBeforeOneThatIsNoNumber) {
+  write_log(folder / "run.lcm", "double_brennan", [](std::int64_t k, sensors_t&, command_t& c) {
+    c.value[0] = k == 20 ? kNaN : static_cast<double>(k);
+  });
+  const auto stretches = read("double_brennan");
+  ASSERT_EQ(stretches.size(), 1u);
+  EXPECT_EQ(stretches[0].moments[19].input.drive[0], 19.0);
+  EXPECT_EQ(stretches[0].moments[20].input.drive[0], 19.0);
+  EXPECT_EQ(stretches[0].moments[21].input.drive[0], 21.0);
+}
+
+TEST_F(Recording, GoesByTheCommandWhereACurrentIsNoNumber) {
+  write_log(folder / "run.lcm", "prototype_b", [](std::int64_t k, sensors_t& s, command_t&) {
+    s.drive_current_a[0] = k == 20 ? kNaN : 0.5;
+  });
+  circumstances.drive = DriveSource::kCurrent;
+  const auto stretches = read("prototype_b");
+  ASSERT_EQ(stretches.size(), 1u);
+  const model::Machine machine = load_rig("prototype_b").build_machine();
+  const double by_current = input_of(stretches[0].moments[18], machine).drive[0];
+  EXPECT_TRUE(stretches[0].moments[18].current.has_value());
+  EXPECT_FALSE(stretches[0].moments[19].current.has_value());
+  EXPECT_EQ(input_of(stretches[0].moments[19], machine).drive[0], 1.0);
+  EXPECT_EQ(input_of(stretches[0].moments[20], machine).drive[0], by_current);
+}
+
+TEST_F(Recording, RefusesALeap) {
+  const Rig rig = load_rig("double_brennan");  // 500 Hz
+  {
+    support::LogMaker log(folder / "run.lcm", rig, print_rig("double_brennan", {}));
+    for (const std::int64_t tick : {0, 1, 2, 30'002, 60'003}) {
+      log.add(Channel::kSensors, sensors_t{}, tick);
+    }
+  }
+  // 60 s are borne, a tick more is not.
+  EXPECT_NE(message_of([&] {
+              read("double_brennan");
+            }).find("run.lcm: tick 60003 comes right after tick 30002"),
+            std::string::npos);
+}
+
+TEST(Readings, ThatAreNoNumbersAreMissing) {
+  const model::Machine machine = load_rig("prototype_b").build_machine();
+  sensors_t sensors{};
+  sensors.valid |= sensors_t::VALID_GYRO;
+  sensors.valid |= sensors_t::VALID_DISC;
+  sensors.gyro_rad_s[1] = kNaN;
+  EXPECT_EQ(valid_readings(sensors, machine), (std::vector<int>{0, 2, 6}));
+  sensors.disc_angle_rad = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(valid_readings(sensors, machine), (std::vector<int>{0, 2}));
+}
+
 }  // namespace
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration

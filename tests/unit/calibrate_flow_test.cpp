@@ -7,7 +7,7 @@
 #include "clients/calibrate/readings.hpp"
 #include "services/integrator/plant.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::calibration {
 namespace {
 
 struct Case {
@@ -140,4 +140,4 @@ TEST_P(CalibrateFlow, ReadingsHangOnStateAsDifferencesSay) {
 INSTANTIATE_TEST_SUITE_P(Rigs, CalibrateFlow, ::testing::Range(std::size_t{0}, kCases.size()));
 
 }  // namespace
-}  // namespace gyrotwin
+}  // namespace gyrotwin::calibration
