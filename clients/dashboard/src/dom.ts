@@ -32,9 +32,8 @@ export function card(title: string, ...children: Child[]): HTMLElement {
   return el('section', {class: 'card'}, el('h2', {}, title), ...children);
 }
 
-/** "70 µs", "1.25 ms". */
-export function duration(ns: bigint): string {
-  const us = Number(ns) / 1000;
-  if (us < 1000) return `${us.toFixed(us < 10 ? 1 : 0)} µs`;
-  return us < 1e6 ? `${(us / 1000).toFixed(us < 1e4 ? 1 : 0)} ms` : `${(us / 1e6).toFixed(1)} s`;
+/** A button with its key; '': none. */
+export function button(text: string, key: string, act: () => void, kind = ''): HTMLButtonElement {
+  return el('button', {type: 'button', class: kind, onclick: act,
+    ...(key ? {'aria-keyshortcuts': key, title: `${text} (${key})`} : {})}, text);
 }

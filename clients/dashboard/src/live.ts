@@ -2,8 +2,9 @@
 import {parse} from '@foxglove/rosmsg';
 import {MessageReader} from '@foxglove/rosmsg2-serialization';
 
-import {Ring} from './charts/series';
+import {Ring} from './charts/ring_buffer';
 import {type Channel, Connection, type Data, type Parameter, type ServerMessage, type Value} from './foxglove';
+import {ClockDifference, Heard, type Happening, type Recording, type Tone} from './heard';
 import {Layout, Numbers} from './layout';
 import {
   type Forecast, type Health, type Link, MODES, type Reply, type State, type Status, type Topic, type Topics,
@@ -12,51 +13,17 @@ import {
 import {Writer, type Request} from './requests';
 import {Rig, degrees} from './rig';
 
+export type {Happening, Recording, Tone} from './heard';
+
 export const KEPT = 60;  // [s]
 const FASTEST = 1100;    // messages a second that a ring has room for
 const MOST_EVENTS = 200;
 const PATIENCE = 2500;   // for the owner's answer [ms]
 export const STALE = 1;  // [s]
 
-/** A message, taken apart when somebody looks at it. */
-export class Heard<T> {
-  private known: T | null = null;
-  readonly here = performance.now();  // when it came to the page [ms]
-  /** @param at when it came to the gateway, its clock [s] */
-  constructor(private readonly reader: MessageReader, private readonly bytes: Uint8Array, readonly at: number) {}
-  get value(): T {
-    this.known ??= this.reader.readMessage(this.bytes) as T;
-    return this.known;
-  }
-}
-export type Tone = 'info' | 'good' | 'bad';
-export interface Happening { at: Date; tone: Tone; who: string; text: string }
-export interface Recording { on: boolean; file?: string; bytes?: number; error?: string }
 type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';
 export const DAEMONS: readonly Topic[] = ['INTEGRATOR/STATUS', 'HARDWARE/STATUS', 'CONTROLLER/STATUS', 'MIRROR/STATUS',
   'GATEWAY/STATUS'];
-
-/** From the page's clock to the gateway's [s]: the least delayed message of the last 10 to 20 s tells it best. */
-class ClockDifference {
-  private static readonly window = 10;  // [s]
-  private best = -Infinity;
-  private before = -Infinity;
-  private since = 0;
-
-  get offset(): number {
-    const best = Math.max(this.best, this.before);
-    return best === -Infinity ? 0 : best;
-  }
-  hear(at: number): void {
-    const here = performance.now() * 1e-3;
-    if (here - this.since > ClockDifference.window) {
-      this.before = this.best;
-      this.best = -Infinity;
-      this.since = here;
-    }
-    this.best = Math.max(this.best, at - here);
-  }
-}
 
 interface Subscribed { topic: Topic; reader: MessageReader; layout: Layout }
 
@@ -74,14 +41,16 @@ export class Live {
   link: Heard<Link> | null = null;
   readonly status = new Map<Topic, Heard<Status>>();
   recording: Recording = {on: false};
+  lost = 0;  // STATE that never came to this page
   readonly happenings: Happening[] = [];
   happened = 0;  // so far
 
   // Tilt x y, tilt rate x y [deg, deg/s], disc rate [rad/s], gimbals [deg] x 4, torques [N m] x 2, rotors [%] x 4.
   readonly states = new Ring(KEPT * FASTEST, 15);
   readonly twins = new Ring(KEPT * FASTEST, 2);    // tilt x y [deg]
-  readonly truths = new Ring(KEPT * FASTEST, 6);   // contacts [N] x 4, holding moment [N m] x 2
-  readonly healths = new Ring(KEPT * 120, 3);      // NIS, unknown moment x y [N m]
+  // Contacts [N] x 4, > 0 carried by the lower track; holding moment [N m] x 2; kinetic and potential energy [J].
+  readonly truths = new Ring(KEPT * FASTEST, 8);
+  readonly healths = new Ring(KEPT * 120, 11);     // NIS, unknown moment x y [N m], NIS of each sensor x 8
 
   private readonly connection: Connection;
   private subscriptions = new Map<number, Subscribed>();
@@ -89,9 +58,9 @@ export class Live {
   private readonly asked = new Map<string, {what: string; timer: ReturnType<typeof setTimeout>}>();
   private readonly clock = new ClockDifference();
   private listening = false;
-  private said = {mode: -1, health: '', falls: false, epoch: -1n};
+  private said = {health: '', falls: false, epoch: -1n, sequence: -1n};
 
-  constructor(url: string, private readonly ready: (live: Live, again: boolean) => void) {
+  constructor(url: string, private readonly ready: (live: Live) => void) {
     this.connection = new Connection(url, {
       opened: () => this.opened(),
       closed: () => this.closed(),
@@ -104,6 +73,8 @@ export class Live {
   now(): number { return performance.now() * 1e-3 + this.clock.offset; }
   /** By the page's own clock [s]. */
   age(heard: Heard<unknown> | null | undefined): number { return heard ? 1e-3 * (performance.now() - heard.here) : Infinity; }
+  /** STATE that came within the last second. */
+  get rate(): number { return this.states.size - this.states.before(this.now() - 1); }
   get isOperator(): boolean { return this.role === 'operator'; }
 
   /** STATUS of whoever owns the plant, the last that spoke. */
@@ -146,6 +117,7 @@ export class Live {
     if (this.connected) this.happen('bad', 'gateway', 'the connection is lost');
     this.connected = this.listening = false;
     this.subscriptions = new Map();
+    this.said.sequence = -1n;
   }
 
   private take(message: ServerMessage): void {
@@ -193,9 +165,8 @@ export class Live {
     const recording = values.get('recording') as unknown as Recording | undefined;
     if (recording) this.takeRecording(recording);
     if (!values.has('rig.name')) return;
-    const known = this.rig !== null;
     this.rig = new Rig(values);
-    this.ready(this, known);
+    this.ready(this);
   }
 
   private takeRecording(recording: Recording): void {
@@ -227,10 +198,14 @@ export class Live {
 
   private hearState(heard: Heard<State>, n: Numbers): void {
     const epoch = n.int64('header.epoch');
+    const sequence = n.int64('header.sequence');
     if (this.said.epoch !== epoch) {
       this.said.epoch = epoch;
       this.twin = this.forecast = null;
+    } else if (this.said.sequence >= 0n && sequence > this.said.sequence + 1n) {
+      this.lost += Number(sequence - this.said.sequence - 1n);
     }
+    this.said.sequence = sequence;
     this.state = heard;
     const valid = n.int32('valid'), share = 100 / (this.rig?.nominalSpeed || 1);
     const tilts = (valid & VALID.tilt) !== 0, angle = (name: string, i: number) => degrees(n.double(name, i));
@@ -248,14 +223,17 @@ export class Live {
 
   private hearTruth(heard: Heard<Truth>, n: Numbers): void {
     this.truth = heard;
-    const contact = (j: number) => n.double('contact_lower_n', j), held = (i: number) => n.double('holding_moment_nm', i);
-    this.truths.push(heard.at, [contact(0), contact(1), contact(2), contact(3), held(0), held(1)]);
+    const contact = (j: number) => n.double('contact_lower_n', j) - n.double('contact_upper_n', j);
+    const held = (i: number) => n.double('holding_moment_nm', i);
+    this.truths.push(heard.at, [contact(0), contact(1), contact(2), contact(3), held(0), held(1),
+      n.double('kinetic_energy_j'), n.double('potential_energy_j')]);
   }
 
   private hearHealth(heard: Heard<Health>): void {
     this.health = heard;
     const {value} = heard;
-    this.healths.push(heard.at, [value.nis_total, value.external_moment_nm[0]!, value.external_moment_nm[1]!]);
+    this.healths.push(heard.at, [value.nis_total, value.external_moment_nm[0]!, value.external_moment_nm[1]!,
+      ...Array.from(value.nis, (nis, i) => (value.sensor_verdict[i] ? nis : NaN))]);
     const text = `${value.verdict} ${value.blame}`;
     if (text !== this.said.health && value.verdict !== 0) {
       const bad = value.verdict !== 1;

@@ -1,68 +1,111 @@
 // The page: one rig, live.
 import 'uplot/dist/uPlot.min.css';
-import './style.css';
+import './style/base.css';
+import './style/layout.css';
+import './style/parts.css';
+import './style/narrow.css';
 
-import {StripChart, type TimeView, quantitiesOf} from './charts/strip_chart';
+import {quantitiesOf} from './charts/quantities';
+import {StripChart, type TimeView} from './charts/strip_chart';
 import {el, put, say} from './dom';
 import {Live} from './live';
-import {MODES} from './messages';
 import {Bubble} from './panels/bubble';
-import {Controls} from './panels/controls';
 import {Daemons} from './panels/daemons';
-import {Happenings} from './panels/happenings';
-import {Readings} from './panels/readings';
-import {TroublePanel} from './panels/trouble';
-import {degrees, tiltOf} from './rig';
-import {Scene} from './scene/scene';
+import {Disturb} from './panels/disturb';
+import {Events} from './panels/events';
+import {Head} from './panels/head';
+import {Margins} from './panels/margins';
+import {Operate} from './panels/operate';
+import {Push} from './panels/push';
+import {RigPanel} from './panels/rig_panel';
+import {Twin} from './panels/twin';
+import {type Eye, Scene} from './scene/scene';
 
 const byId = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
+const CHARTS = 3;
 const view: TimeView = {span: 10, frozen: null};
 const charts: StripChart[] = [];
 
 const socket = new URL(location.href);
 socket.protocol = socket.protocol === 'https:' ? 'wss:' : 'ws:';
 socket.hash = '';
-const live = new Live(socket.href, (ready, again) => {
+let shown = '';  // the rig that is drawn
+const live = new Live(socket.href, (ready) => {
   const rig = ready.rig!;
+  if (shown === rig.key) return;
+  if (shown !== '') return location.reload();
+  shown = rig.key;
   document.title = `${rig.name} – gyrotwin`;
   say(byId('rig'), rig.name);
   say(byId('summary'), rig.summary);
-  scene.build(rig);
+  scene?.build(rig);
   bubble.svg.classList.toggle('hidden', !rig.tilts);
-  if (again) return;
   // Building the scene takes long on a slow machine: what came meanwhile would be old.
   requestAnimationFrame(() => requestAnimationFrame(() => ready.listen()));
   const quantities = quantitiesOf(rig);
-  for (let i = 0; i < 3; ++i) charts.push(new StripChart(byId('charts'), ready, view, quantities, i, drawFreeze));
+  for (let i = 0; i < CHARTS; ++i) charts.push(new StripChart(byId('charts'), ready, view, quantities, i, drawFreeze));
 });
-const scene = new Scene(byId('view'), live);
+
+/** null: the browser draws nothing in three dimensions; all else works. */
+function sceneOrNone(): Scene | null {
+  try {
+    return new Scene(byId('view'), live);
+  } catch {
+    byId('view').append(el('p', {class: 'without'}, 'This browser has no WebGL: the platform is not drawn.'));
+    return null;
+  }
+}
+const scene = sceneOrNone();
 const bubble = new Bubble();
 byId('view').append(bubble.svg);
-const controls = new Controls(live), readings = new Readings(live), daemons = new Daemons(live),
-  happenings = new Happenings(live), trouble = new TroublePanel(live);
-byId('side').append(
-  group('control', controls.element),
-  group('state', readings.margins, readings.twin),
-  group('control', controls.push, trouble.element, controls.recording),
-  group('log', daemons.element, happenings.element));
 
-function group(name: string, ...cards: HTMLElement[]): HTMLElement {
-  return el('div', {class: 'group', 'data-tab': name}, ...cards);
+// The side: what is always looked at, then one of four.
+const operate = new Operate(live, byId('acts'));
+const margins = new Margins(live), twin = new Twin(live), push = new Push(live);
+const events = new Events(live), disturb = new Disturb(live), daemons = new Daemons(live), rigPanel = new RigPanel(live);
+const panes = {Events: events, Disturb: disturb, Daemons: daemons, Rig: rigPanel};
+push.element.dataset['group'] = 'control';
+const choice = el('nav', {id: 'panes', 'aria-label': 'More'});
+byId('side').append(margins.element, twin.element, push.element, choice);
+for (const [name, {element}] of Object.entries(panes)) {
+  element.dataset['pane'] = name;
+  element.dataset['group'] = name === 'Events' || name === 'Daemons' ? 'log' : 'control';
+  byId('side').append(element);
+  choice.append(el('button', {type: 'button', onclick: () => showPane(name)}, name));
 }
+function showPane(name: string): void {
+  for (const [each, {element}] of Object.entries(panes)) element.classList.toggle('chosen', each === name);
+  for (const tab of choice.children) put(tab, 'aria-pressed', String(tab.textContent === name));
+}
+showPane('Events');
 
-// Tabs, where there is room for one column only.
-for (const tab of document.querySelectorAll<HTMLButtonElement>('#tabs button')) {
+/** Makes the pressed one of some buttons the only one. */
+function press(buttons: Iterable<Element>, pressed: Element): void {
+  for (const each of buttons) put(each, 'aria-pressed', String(each === pressed));
+}
+const tabs = document.querySelectorAll<HTMLButtonElement>('#tabs button');
+for (const tab of tabs) {
   tab.onclick = () => {
     document.body.dataset['tab'] = tab.dataset['tab'];
-    for (const other of document.querySelectorAll('#tabs button')) put(other, 'aria-pressed', String(other === tab));
+    press(tabs, tab);
   };
 }
+const eyes = document.querySelectorAll<HTMLButtonElement>('.eyes button');
+for (const eye of eyes) {
+  eye.onclick = () => {
+    scene?.look(eye.dataset['eye'] as Eye);
+    press(eyes, eye);
+  };
+}
+const ghost = byId<HTMLInputElement>('ghost');
+ghost.onchange = () => { if (scene) scene.ghostShown = ghost.checked; };
 
 // Time.
 const freeze = byId<HTMLButtonElement>('freeze'), span = byId<HTMLSelectElement>('span');
 function drawFreeze(): void {
   say(freeze, view.frozen ? 'Live' : 'Hold');
   put(freeze, 'aria-pressed', String(view.frozen !== null));
+  say(byId('chart-hint'), view.frozen ? 'held: double-click for live' : 'drag to zoom, double-click for live');
 }
 freeze.onclick = () => {
   view.frozen = view.frozen ? null : [live.now() - view.span, live.now()];
@@ -78,7 +121,9 @@ span.onchange = () => {
 const theme = byId<HTMLButtonElement>('theme');
 function setTheme(name: string): void {
   document.documentElement.dataset['theme'] = name;
-  put(theme, 'aria-label', name === 'dark' ? 'Light colours' : 'Dark colours');
+  const other = name === 'dark' ? 'Light colours' : 'Dark colours';
+  put(theme, 'aria-label', other);
+  put(theme, 'title', other);
   charts.forEach((chart) => chart.rebuild());
 }
 setTheme(localStorage.getItem('theme') ?? (matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark'));
@@ -88,49 +133,30 @@ theme.onclick = () => {
   setTheme(name);
 };
 
+// Keys.
 const help = byId<HTMLDialogElement>('help');
 byId('help-button').onclick = () => help.showModal();
-const ghost = byId<HTMLInputElement>('ghost');
-ghost.onchange = () => { scene.ghostShown = ghost.checked; };
-
+const keyed = [...operate.buttons, ...push.buttons, rigPanel.record, freeze];
 window.addEventListener('keydown', (event) => {
   const target = event.target as HTMLElement;
   if (event.ctrlKey || event.altKey || event.metaKey || help.open || /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName)) return;
   if (event.key === ' ' && target.tagName === 'BUTTON') return;
-  const scrolls = event.key.startsWith('Arrow') && target.closest('.scrolls, .happenings');
+  const scrolls = event.key.startsWith('Arrow') && target.closest('.daemons, .happenings');
   if (scrolls || event.repeat) return;
   if (event.key === '?') return help.showModal();
-  if (event.key === 'h') return freeze.click();
-  if (controls.press(event.key === ' ' ? 'Space' : event.key)) event.preventDefault();
+  const key = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const button = keyed.find((each) => each.getAttribute('aria-keyshortcuts') === key);
+  if (!button) return;
+  button.click();
+  event.preventDefault();
 });
 
-/** The line across the top: mode, lean, how fresh. */
-function drawHead(): void {
-  const owner = live.owner?.value, mode = byId('mode');
-  const stale = live.stale;
-  say(mode, stale ? 'NO DATA' : owner ? MODES[owner.mode] ?? '' : '…');
-  put(mode, 'data-mode', stale ? 'stale' : String(owner?.mode ?? ''));
-  say(byId('plant'), owner ? (live.isReal ? 'real rig' : 'simulated') : '');
-  say(byId('why'), stale ? '' : owner?.text ?? '');
-  const state = live.state?.value;
-  const tilts = live.rig?.tilts ?? true;
-  say(byId('lean'), state && tilts && !stale ? `${degrees(tiltOf(state.tilt_rad)).toFixed(2)}°` : '–');
-  say(byId('clock'), state ? `${(Number(state.header.sim_time_ns) * 1e-9).toFixed(1)} s` : '');
-  const banner = byId('banner');
-  banner.hidden = !stale;
-  if (!stale) return;
-  const age = live.age(live.state);
-  say(banner, !live.connected
-    ? (live.everConnected ? 'The connection to the gateway is lost; trying again. What is shown is old.' : 'Connecting to the gateway…')
-    : Number.isFinite(age) ? `No data for ${age.toFixed(0)} s: what is shown is old. Does the owner of the rig still run?`
-      : 'No owner of the rig is heard: start gyrotwin integrator or gyrotwin hardware.');
-}
-
 const CHARTS_EVERY = 50, PANELS_EVERY = 100;  // [ms]
+const head = new Head(live, margins);
 let chartsAt = 0, panelsAt = 0;
 function frame(now: number): void {
   requestAnimationFrame(frame);
-  scene.draw(now);
+  scene?.draw(now);
   bubble.draw(live);
   if (now - chartsAt >= CHARTS_EVERY) {
     chartsAt = now;
@@ -139,7 +165,6 @@ function frame(now: number): void {
   if (now - panelsAt < PANELS_EVERY) return;
   panelsAt = now;
   document.body.classList.toggle('stale', live.stale && live.everConnected);
-  drawHead();
-  for (const panel of [controls, readings, daemons, happenings, trouble]) panel.draw();
+  for (const panel of [operate, push, margins, twin, events, disturb, daemons, rigPanel, head]) panel.draw();
 }
 requestAnimationFrame(frame);

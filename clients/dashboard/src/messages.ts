@@ -29,7 +29,12 @@ export interface State {
 export interface Truth {
   header: Header;
   contact_lower_n: Float64Array;
+  contact_upper_n: Float64Array;
   holding_moment_nm: Float64Array;
+  external_moment_nm: Float64Array;
+  kinetic_energy_j: number;
+  potential_energy_j: number;
+  load_cell_n: number;
   drive_margin_nm: Float64Array;
 }
 
@@ -53,6 +58,7 @@ export interface Status {
   compute_p99_ns: bigint;
   compute_max_ns: bigint;
   kernel_dropped: bigint;
+  send_failed: bigint;
   malformed: bigint;
   unauthentic: bigint;
   gaps: BigInt64Array;
@@ -63,8 +69,12 @@ export interface Health {
   verdict: number;
   blame: number;
   sensor_verdict: Int32Array;
+  nis: Float64Array;
+  nis_limit: Float64Array;
   nis_total: number;
   external_moment_nm: Float64Array;
+  external_moment_sigma_nm: Float64Array;
+  disc_friction_nm: number;
   text: string;
 }
 
@@ -76,6 +86,8 @@ export interface Forecast {
   falls_in_ns: bigint;
   peak_tilt_rad: number;
   peak_in_ns: bigint;
+  saturates_in_ns: bigint;
+  fall_probability: number;
 }
 
 export interface Link {
@@ -120,8 +132,14 @@ export type Topic = keyof Topics;
 export const MODES: Record<number, string> = {
   0: 'HELD', 1: 'RUNNING', 2: 'PAUSED', 3: 'SAFE STOP', 4: 'FALLEN', 5: 'FAULT', 16: 'WAITING', 17: 'ACTIVE',
 };
+/** What that means, where the owner does not say more. */
+export const MODE_WORDS: Record<number, string> = {
+  0: 'held at its start: arm to let it go', 1: 'the physics runs, the law is obeyed', 2: 'time stands still',
+  3: 'the drives are in their safe stop', 4: 'it has fallen', 5: 'a fault stopped it',
+};
 export const HELD = 0, RUNNING = 1, PAUSED = 2, SAFE_STOP = 3, FALLEN = 4, FAULT = 5;
 export const SENSORS = ['gyro', 'accelerometer', 'disc', 'gimbals', 'rotors', 'currents', 'bus voltage', 'load cell'];
 export const SENSOR_VERDICTS = ['', 'agrees', 'disagrees', 'stuck', 'silent', 'insane', 'late'];
+export const HARDWARE_SOURCE = 2;
 
 export const seconds = (ns: bigint): number => Number(ns) * 1e-9;

@@ -19,6 +19,8 @@ export class Rig {
     return false;
   }
 
+  /** The same for the same numbers. */
+  get key(): string { return JSON.stringify([...this.values].filter(([name]) => name !== 'recording').sort(([a], [b]) => (a < b ? -1 : 1))); }
   get name(): string { return this.text('rig.name'); }
   get summary(): string { return this.text('rig.summary'); }
   get family(): Family { return this.text('rig.machine', 'umbrella') as Family; }

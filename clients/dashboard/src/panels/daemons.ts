@@ -1,38 +1,77 @@
 // Who runs, how punctual, and what was lost.
-import {card, duration, el, say} from '../dom';
+import {card, el, put, say} from '../dom';
 import {DAEMONS, type Live} from '../live';
-import {MODES} from '../messages';
+import {MODES, type Status} from '../messages';
+import {duration} from '../units';
 
-const COLUMNS = ['service', 'mode', 'late p50 / p99 / max', 'works p50 / max', 'lost', 'heard'];
+const SILENT = 1;  // [s]
+
+class Row {
+  readonly element: HTMLElement;
+  private readonly mode = el('span', {class: 'daemon-mode'});
+  private readonly where = el('span', {class: 'daemon-where'});
+  private readonly facts = el('dl', {class: 'daemon-facts'});
+  private readonly values = new Map<string, HTMLElement>();
+
+  constructor(name: string) {
+    this.element = el('li', {class: 'daemon'}, el('div', {class: 'daemon-head'}, el('strong', {}, name), this.mode, this.where), this.facts);
+  }
+
+  show(status: Status, age: number): void {
+    const gone = age > SILENT;
+    put(this.element, 'data-gone', String(gone));
+    say(this.mode, gone ? `✕ silent for ${age.toFixed(0)} s` : `✓ ${MODES[status.mode] ?? status.mode}`);
+    say(this.where, `${status.pid} on ${status.host}`);
+    const late = status.lateness_max_ns > 0n
+      ? `${duration(status.lateness_p50_ns)} / ${duration(status.lateness_p99_ns)} / ${duration(status.lateness_max_ns)}` : '–';
+    const works = status.compute_max_ns > 0n
+      ? `${duration(status.compute_p50_ns)} / ${duration(status.compute_p99_ns)} / ${duration(status.compute_max_ns)}` : '–';
+    const gaps = status.gaps.reduce((sum, gap) => sum + gap, 0n);
+    this.fact('Late, p50 / p99 / max', late);
+    this.fact('Works, p50 / p99 / max', works);
+    const refused = status.malformed + status.unauthentic;
+    this.fact('Lost', `${gaps} never came, ${status.kernel_dropped} dropped by the kernel${
+      status.overruns > 0n ? `, ${status.overruns} overruns` : ''}${refused > 0n ? `, ${refused} refused` : ''}`);
+  }
+
+  private fact(name: string, text: string): void {
+    let value = this.values.get(name);
+    if (!value) {
+      value = el('dd');
+      this.values.set(name, value);
+      this.facts.append(el('div', {}, el('dt', {}, name), value));
+    }
+    say(value, text);
+  }
+}
 
 export class Daemons {
   readonly element: HTMLElement;
-  private readonly body = el('tbody');
+  private readonly rows = new Map<string, Row>();
+  private readonly list = el('ul', {class: 'daemons', tabindex: '0', 'aria-label': 'Daemons'});
+  private readonly none = el('p', {class: 'numbers'}, 'no daemon is heard');
+  private readonly here = el('p', {class: 'numbers'});
   private readonly link = el('p', {class: 'numbers'});
 
   constructor(private readonly live: Live) {
-    this.element = card('Daemons', el('div', {class: 'scrolls', tabindex: '0', role: 'region', 'aria-label': 'Daemons'}, el('table', {},
-      el('thead', {}, el('tr', {}, ...COLUMNS.map((name) => el('th', {scope: 'col'}, name)))), this.body)), this.link);
+    this.element = card('Daemons', this.here, this.none, this.list, this.link);
   }
 
   draw(): void {
-    const rows = DAEMONS.flatMap((topic) => {
+    const {rate, lost} = this.live;
+    say(this.here, `this page: ${rate} states a second, ${lost} never came here${lost > 0 ? ' (a slow page or line)' : ''}`);
+    for (const topic of DAEMONS) {
       const heard = this.live.status.get(topic);
-      if (!heard) return [];
-      const {value} = heard, age = this.live.age(heard), gone = age > 1;
-      const lost = value.gaps.reduce((sum, gap) => sum + gap, 0n) + value.kernel_dropped;
-      const late = value.lateness_max_ns > 0n
-        ? `${duration(value.lateness_p50_ns)} / ${duration(value.lateness_p99_ns)} / ${duration(value.lateness_max_ns)}` : '';
-      const works = value.compute_max_ns > 0n ? `${duration(value.compute_p50_ns)} / ${duration(value.compute_max_ns)}` : '';
-      return [{gone, cells: [topic.slice(0, topic.indexOf('/')).toLowerCase(), gone ? '? silent' : MODES[value.mode] ?? '', late, works,
-        String(lost), `${value.pid} on ${value.host}, ${gone ? `${age.toFixed(0)} s ago` : 'now'}`]}];
-    });
-    while (this.body.rows.length > rows.length) this.body.deleteRow(-1);
-    rows.forEach(({gone, cells}, i) => {
-      const row = this.body.rows[i] ?? this.body.insertRow();
-      row.classList.toggle('gone', gone);
-      cells.forEach((text, k) => say(row.cells[k] ?? row.insertCell(), text));
-    });
+      if (!heard) continue;
+      let row = this.rows.get(topic);
+      if (!row) {
+        row = new Row(topic.slice(0, topic.indexOf('/')).toLowerCase());
+        this.rows.set(topic, row);
+        this.list.append(row.element);
+        this.none.hidden = true;
+      }
+      row.show(heard.value, this.live.age(heard));
+    }
     const link = this.live.age(this.live.link) < 2 ? this.live.link!.value : null;
     this.link.hidden = !link;
     if (link) {

@@ -63,7 +63,7 @@ export function buildGimballed(rig: Rig, skin: Skin): Machine {
   }
 
   const gimbals: THREE.Group[] = [], wheels: THREE.Object3D[] = [];
-  for (const {at, aligned} of places) {
+  places.forEach(({at, aligned}, j) => {
     const post = new THREE.Group();
     post.position.set(at[0] * r, at[1] * r, zc);
     structure.add(post);
@@ -74,7 +74,7 @@ export function buildGimballed(rig: Rig, skin: Skin): Machine {
     else unit.rotation.z = aligned;
     gimbal.add(unit);
     const spin = flywheel(r, r * 0.45, skin);
-    unit.add(spin, gimbalFrame(r, kind === 'single' ? 'y' : 'z', skin));
+    unit.add(spin, gimbalFrame(r, kind === 'single' ? 'y' : 'z', skin, j));
     if (kind === 'single') {
       post.add(rod(v(0, -1.5 * r, 0), v(0, -1.22 * r, 0), thin, skin.accent), rod(v(0, 1.22 * r, 0), v(0, 1.5 * r, 0), thin, skin.accent));
       post.add(rod(v(0, -1.5 * r, floor - zc), v(0, -1.5 * r, 0), thin, skin.frame), rod(v(0, 1.5 * r, floor - zc), v(0, 1.5 * r, 0), thin, skin.frame));
@@ -84,7 +84,7 @@ export function buildGimballed(rig: Rig, skin: Skin): Machine {
     }
     gimbals.push(gimbal);
     wheels.push(spin);
-  }
+  });
 
   const pose = (state: State): void => {
     tiltTo(structure, state.tilt_rad);

@@ -15,9 +15,8 @@ export interface Machine {
   reach: number;              // half its width [m]
   wheels: THREE.Object3D[];   // turn about their x
   pose(state: State): void;
-  /** Normal forces of the axles [N], as a share of what each bears at rest. */
-  light?(shares: ArrayLike<number>): void;
-  restForce?: number;         // of one axle [N]
+  tips?: THREE.Object3D[];    // of the axles that ride on the ring
+  restForce?: number;         // on one of them [N]
 }
 
 export function buildMachine(rig: Rig, skin: Skin): Machine {

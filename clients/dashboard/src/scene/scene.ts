@@ -3,11 +3,19 @@ import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 
 import type {Live} from '../live';
+import {FALLEN, PAUSED} from '../messages';
 import type {Rig} from '../rig';
+import {Ahead} from './ahead';
+import {Contacts} from './contacts';
 import {Drag} from './drag';
+import {Effort} from './effort';
+import {floorOf} from './floor';
 import {type Machine, buildMachine} from './machine';
 import {ghostSkin, liveSkin} from './parts';
 
+/** Directions from the middle to the eye. */
+const EYES = {corner: [0.72, -0.66, 0.4], behind: [-1, 0, 0.12], side: [0, -1, 0.12], above: [-0.001, 0, 1]} as const;
+export type Eye = keyof typeof EYES;
 const SLOWED = 0.012;  // of the wheels' speed that is shown: more would flicker
 
 export class Scene {
@@ -18,8 +26,11 @@ export class Scene {
   private readonly drag: Drag;
   private machine: Machine | null = null;
   private ghost: Machine | null = null;
-  private floor: THREE.Object3D[] = [];
+  private contacts: Contacts | null = null;
+  private ahead: Ahead | null = null;
+  private extras: THREE.Object3D[] = [];
   private last = 0;
+  private distance = 1;
   private readonly effort = new Effort();
   private drawn = 0;  // frames that were due
   ghostShown = true;
@@ -47,25 +58,32 @@ export class Scene {
 
   build(rig: Rig): void {
     for (const old of [this.machine, this.ghost]) if (old) this.scene.remove(old.root);
-    this.scene.remove(...this.floor);
+    this.scene.remove(...this.extras);
     this.machine = buildMachine(rig, liveSkin());
     this.ghost = buildMachine(rig, ghostSkin());
     this.ghost.root.visible = false;
     this.scene.add(this.machine.root, this.ghost.root);
     const {height, reach} = this.machine;
     const size = Math.max(height, 1.6 * reach);
-    this.floor = floorOf(size);
-    this.scene.add(...this.floor);
+    this.contacts = new Contacts(this.machine);
+    this.ahead = new Ahead(this.machine, rig);
+    this.extras = [...floorOf(size, reach), this.contacts.object, this.ahead.object];
+    this.scene.add(...this.extras);
     this.drag.attach(this.machine, rig);
-    const middle = new THREE.Vector3(0, 0, 0.46 * height);
-    this.orbit.target.copy(middle);
-    const distance = 1.9 * size + 1.2 * reach;
-    this.camera.position.set(0.72 * distance, -0.66 * distance, middle.z + 0.42 * distance);
+    const distance = this.distance = 2 * size + 1.3 * reach;
     this.camera.near = distance / 100;
     this.camera.far = distance * 20;
-    this.camera.updateProjectionMatrix();
     this.orbit.minDistance = 0.5 * distance;
     this.orbit.maxDistance = 3 * distance;
+    this.orbit.target.set(0, 0, 0.46 * height);
+    this.look('corner');
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Where the eye stands. */
+  look(from: keyof typeof EYES): void {
+    this.camera.position.copy(this.orbit.target).addScaledVector(new THREE.Vector3(...EYES[from]).normalize(), this.distance);
+    this.orbit.update();
   }
 
   draw(now: number): void {
@@ -74,13 +92,13 @@ export class Scene {
     this.last = now;
     if (machine && live.state) {
       const state = live.state.value;
+      const passed = live.stale || live.mode === PAUSED ? 0 : dt * Math.min(1, live.owner?.value.speed_factor || 1);
       machine.pose(state);
       machine.wheels.forEach((wheel, j) => {
-        wheel.rotateX(SLOWED * (state.rotor_speed_rad_s[j] ?? 0) * dt);
+        wheel.rotateX(SLOWED * (state.rotor_speed_rad_s[j] ?? 0) * passed);
       });
-      const rest = machine.restForce ?? 1;
-      const contacts = live.age(live.truth) < 1 ? live.truth!.value.contact_lower_n : [0, 0, 0, 0];
-      machine.light?.(Array.from(contacts, (force) => force / rest));
+      this.contacts?.draw(live.age(live.truth) < 1 ? live.truth!.value : null);
+      this.ahead?.draw(state, live.age(live.forecast) < 1 && live.mode !== FALLEN ? live.forecast!.value : null);
       const followed = this.ghostShown && live.age(live.twin) < 1;
       ghost!.root.visible = followed;
       if (followed) ghost!.pose(live.twin!.value);
@@ -88,13 +106,13 @@ export class Scene {
     this.drag.draw();
     this.orbit.update();
     if (this.effort.changed(now)) this.spare();
-    if (this.drawn++ % this.effort.every === 0) this.renderer.render(this.scene, this.camera);
+    if (this.drawn++ % this.effort.now.every === 0) this.renderer.render(this.scene, this.camera);
   }
 
   /** What a slow machine does without. */
   private spare(): void {
-    this.renderer.setPixelRatio(Math.min(this.effort.pixelRatio, window.devicePixelRatio));
-    this.renderer.shadowMap.enabled = this.effort.shadows;
+    this.renderer.setPixelRatio(Math.min(this.effort.now.pixelRatio, window.devicePixelRatio));
+    this.renderer.shadowMap.enabled = this.effort.now.shadows;
     this.scene.traverse((object) => {
       if (object instanceof THREE.Mesh) for (const material of [object.material].flat()) material.needsUpdate = true;
     });
@@ -110,58 +128,4 @@ export class Scene {
     this.camera.fov = width < height ? 44 : 32;
     this.camera.updateProjectionMatrix();
   }
-}
-
-/** How much may be drawn so that the page stays quick: less while frames come slowly. */
-class Effort {
-  private static readonly levels = [
-    {pixelRatio: 2, shadows: true, every: 1}, {pixelRatio: 1, shadows: true, every: 1},
-    {pixelRatio: 1, shadows: false, every: 2}, {pixelRatio: 0.6, shadows: false, every: 4}];
-  private level = 0;
-  private since = 0;
-  private frames = 0;
-
-  get pixelRatio(): number { return Effort.levels[this.level]!.pixelRatio; }
-  get shadows(): boolean { return Effort.levels[this.level]!.shadows; }
-  get every(): number { return Effort.levels[this.level]!.every; }
-
-  /** To be asked once a frame. */
-  changed(now: number): boolean {
-    this.frames += 1;
-    if (now - this.since < 1000) return false;
-    const rate = 1000 * this.frames / (now - this.since);
-    const first = this.since === 0;
-    this.since = now;
-    this.frames = 0;
-    if (first || rate > 24 || this.level === Effort.levels.length - 1) return false;
-    this.level += 1;
-    return true;
-  }
-}
-
-/** Ground, its grid, and the sun that throws the shadow. */
-function floorOf(size: number): THREE.Object3D[] {
-  const ground = new THREE.Mesh(new THREE.CircleGeometry(3.2 * size, 96), new THREE.ShadowMaterial({opacity: 0.28}));
-  ground.receiveShadow = true;
-  ground.position.z = -0.001 * size;
-  const grid = new THREE.PolarGridHelper(2 * size, 12, 6, 96, 0x7d8aa0, 0x7d8aa0);
-  grid.rotation.x = Math.PI / 2;
-  for (const material of [grid.material].flat()) {
-    material.transparent = true;
-    material.opacity = 0.22;
-  }
-  const sun = new THREE.DirectionalLight(0xffffff, 2.4);
-  sun.position.set(1.4 * size, -1.1 * size, 3 * size);
-  sun.castShadow = true;
-  sun.shadow.mapSize.set(1024, 1024);
-  const {camera} = sun.shadow;
-  camera.left = camera.bottom = -1.6 * size;
-  camera.right = camera.top = 1.6 * size;
-  camera.near = 0.1 * size;
-  camera.far = 8 * size;
-  sun.shadow.bias = -0.001;
-  sun.shadow.normalBias = 0.012 * size;
-  const fill = new THREE.DirectionalLight(0xbfd4ff, 0.7);
-  fill.position.set(-2 * size, size, size);
-  return [ground, grid, sun, fill];
 }

@@ -49,7 +49,7 @@ export function buildUmbrella(rig: Rig, skin: Skin): Machine {
   root.add(disc);
   disc.add(plate(rp * 0.42, thin * 0.9, skin.dark));
   disc.add(ball(thin * 1.4, skin.metal));
-  const gyros: THREE.Group[] = [], wheels: THREE.Object3D[] = [], tips: THREE.Mesh[] = [];
+  const gyros: THREE.Group[] = [], wheels: THREE.Object3D[] = [], tips: THREE.Object3D[] = [];
   for (let j = 0; j < count; ++j) {
     const azimuth = 2 * Math.PI * j / count;
     const arm = new THREE.Group();
@@ -63,9 +63,10 @@ export function buildUmbrella(rig: Rig, skin: Skin): Machine {
     arm.add(gyro);
     gyro.add(rod(v(-wheel * 0.7, 0, 0), v(l, 0, 0), thin * 0.38, skin.metal));
     const spin = flywheel(wheel, wheel * 0.42, skin);
-    gyro.add(spin, gimbalFrame(wheel * 0.9, 'z', skin));
-    const mark = ball(tip, skin.metal instanceof THREE.MeshStandardMaterial
-      ? new THREE.MeshStandardMaterial({color: 0xaab3c0, emissive: 0xff6a1a, emissiveIntensity: 0, roughness: 0.5}) : skin.metal);
+    const frame = gimbalFrame(wheel * 0.9, 'z', skin, j);
+    spin.position.x = frame.position.x = rig.number('gyros.cm_distance_m');
+    gyro.add(spin, frame);
+    const mark = ball(tip, skin.metal);
     mark.position.x = l;
     gyro.add(mark);
     gyros.push(gyro);
@@ -85,12 +86,5 @@ export function buildUmbrella(rig: Rig, skin: Skin): Machine {
     // Raising the outer end is a turn about -y.
     gyros.forEach((gyro, j) => { gyro.rotation.y = -(state.gimbal_angle_rad[j] ?? 0); });
   };
-  const light = (shares: ArrayLike<number>): void => {
-    tips.forEach((mark, j) => {
-      const share = Math.min(3, Math.max(0, shares[j] ?? 0));
-      mark.scale.setScalar(1 + 0.35 * share);
-      if (mark.material instanceof THREE.MeshStandardMaterial) mark.material.emissiveIntensity = 0.55 * share;
-    });
-  };
-  return {root, structure, height: hd + wheel, reach: ringRadius * 1.25, wheels, pose, light, restForce: weight / count};
+  return {root, structure, height: hd + wheel, reach: ringRadius * 1.25, wheels, pose, tips, restForce: weight / count};
 }
