@@ -6,7 +6,9 @@
 
 #include "services/mirror/readings.hpp"
 #include "services/onboard/drive_torques.hpp"
+#include "services/runtime/mode.hpp"
 #include "services/runtime/observation_wire.hpp"
+#include "services/runtime/text.hpp"
 
 namespace gyrotwin {
 
@@ -114,6 +116,11 @@ bool Mirror::ripe() const noexcept {
          misfit_ < kContradicted;
 }
 
+/// What lies on the ground is not what the model moves.
+bool Mirror::over() const noexcept {
+  return mode_ == status_t::MODE_FALLEN || mode_ == status_t::MODE_FAULT;
+}
+
 /// What a forecast remembers, it remembers of every tick.
 void Mirror::keep_forecast_up() noexcept {
   if (sensors_.header.tick == 0) return;
@@ -122,8 +129,7 @@ void Mirror::keep_forecast_up() noexcept {
     safe_stop_.begin(stopped_from_.emplace(follower_.estimate().state));
   }
   forecast_.follow(follower_.estimate(), sensors_.header, obeys ? nullptr : &*stopped_from_);
-  const bool over = mode_ == status_t::MODE_FALLEN || mode_ == status_t::MODE_FAULT;
-  portion_due_ = ripe() && !over;
+  portion_due_ = ripe() && !over();
   if (!portion_due_) forecast_.break_off();
 }
 
@@ -147,7 +153,11 @@ bool Mirror::on_sensors(const sensors_t& sensors) noexcept {
     follower_.step(sensors, acting_);
     watch_settling(now.tick);
     watch_misfit();
-    health_.take(follower_, sensors, acting_);
+    if (over()) {
+      health_.reset();
+    } else {
+      health_.take(follower_, sensors, acting_);
+    }
     follower_.distrust(health_.distrusted());
     health_due_ = now.tick / health_period_ != before.tick / health_period_;
   }
@@ -177,6 +187,7 @@ void Mirror::fill(state_t& state) const noexcept {
 void Mirror::fill(health_t& health) const noexcept {
   health = {};
   health_.fill(health);
+  if (over()) set_text(health.text, "not judged: the owner is {}", mode_name(mode_));
   health.header = sensors_.header;
   health.header.sequence = sensors_.header.tick / health_period_;
 }

@@ -69,6 +69,7 @@ class Mirror {
   void watch_settling(std::int64_t tick) noexcept;
   void watch_misfit() noexcept;
   bool ripe() const noexcept;
+  bool over() const noexcept;
   void keep_forecast_up() noexcept;
 
   const Rig& rig_;

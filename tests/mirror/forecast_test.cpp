@@ -198,6 +198,9 @@ TEST(Forecast, NothingIsForecastOfWhatHasFallen) {
     loop.tick();
     EXPECT_FALSE(loop.forecast_told);
   }
+  health_t health;
+  loop.mirror.fill(health);
+  EXPECT_EQ(health.verdict, health_t::NONE) << "what lies on the ground is not judged";
 }
 
 /// Forecasts in a second.
