@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "clients/common/interrupt.hpp"
+#include "clients/common/shell_word.hpp"
 #include "clients/experiment/conduct.hpp"
 #include "clients/experiment/recorder.hpp"
 #include "services/runtime/cli.hpp"
@@ -111,7 +112,7 @@ int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
   std::vector<std::string> words = rig_words(rig_options);
   words.insert(words.end(), {"--experiment", std::string(plan.kind->name), options.file});
   std::string next = "next: gyrotwin calibrate";
-  for (const std::string& word : words) next += ' ' + quoted(word);
+  for (const std::string& word : words) next += ' ' + shell_word(word);
   std::puts(next.c_str());
   if (plan.kind->name == "swing") {
     std::printf("with a second log, of another counterweight, it can tell mass from inertia\n");

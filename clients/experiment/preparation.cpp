@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "clients/common/shell_word.hpp"
 #include "services/integrator/plant.hpp"
 
 namespace gyrotwin {
@@ -56,10 +57,10 @@ std::string as_words(const std::vector<std::string>& earlier,
   std::string text;
   for (const std::string& word : earlier) {
     if (std::ranges::find(later, key_of(word), key_of) == later.end()) {
-      text += " --set " + quoted(word);
+      text += " --set " + shell_word(word);
     }
   }
-  for (const std::string& word : later) text += " --set " + quoted(word);
+  for (const std::string& word : later) text += " --set " + shell_word(word);
   return text;
 }
 
@@ -117,15 +118,6 @@ std::string misarranged(const ExperimentPlan& plan, const Rig& rig, bool simulat
 }  // namespace
 
 bool is_named(const ExperimentPlan& plan, std::string_view name) { return plan.kind->name == name; }
-
-std::string quoted(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,+@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
 
 std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated,
                    const std::vector<std::string>& given) {

@@ -21,9 +21,6 @@ struct ExperimentPlan {
 
 bool is_named(const ExperimentPlan& plan, std::string_view name);
 
-/// As a shell takes it for one word.
-std::string quoted(const std::string& word);
-
 /// Why this rig, as its file has it, is not fit for the experiment, and what to do; empty: it is.
 /// @param simulated the owner's plant is; else what is done by hand is left to the operator
 /// @param given the `key=value` overrides that the rig was loaded with

@@ -1,6 +1,6 @@
 #include "clients/log/export_field.hpp"
 
-#include <algorithm>
+#include "services/runtime/text.hpp"
 
 namespace gyrotwin {
 
@@ -68,11 +68,7 @@ std::vector<TableField> table_fields(const LcmType& type) {
 }
 
 std::string text_in(const TableField& field, std::span<const std::uint8_t> payload) {
-  const auto bytes = payload.subspan(field.offset, field.size);
-  std::string text(bytes.begin(), std::ranges::find(bytes, 0));
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
+  return get_text(payload.subspan(field.offset, field.size));
 }
 
 }  // namespace gyrotwin

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "clients/log/export_file.hpp"
+#include "services/schema/little_endian.hpp"
 
 struct ZSTD_CCtx_s;
 
@@ -23,9 +24,7 @@ class McapRecord {
 
   template <class Unsigned>
   McapRecord& number(Unsigned value) {
-    for (std::size_t i = 0; i < sizeof value; ++i) {
-      bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
-    }
+    append_little_endian(bytes_, value);
     return *this;
   }
   McapRecord& bytes(std::span<const std::uint8_t> bytes);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "clients/rerun/comparison.hpp"
@@ -22,32 +23,17 @@ Comparison::Payload encoded(const Message& message) {
   return payload;
 }
 
-// What differs from run to run: messages/README.md.
-inline void blank(header_t& header) {
-  header.sender_mono_ns = 0;
-  header.source = header_t::TWIN;
-}
-inline Comparison::Payload comparable(state_t state) {
-  blank(state.header);
-  std::ranges::fill(state.mac, 0);
-  return encoded(state);
-}
-inline Comparison::Payload comparable(health_t health) {
-  blank(health.header);
-  health.step_p50_ns = health.step_max_ns = 0;
-  std::ranges::fill(health.mac, 0);
-  return encoded(health);
-}
-inline Comparison::Payload comparable(forecast_t forecast) {
-  blank(forecast.header);
-  std::ranges::fill(forecast.mac, 0);
-  return encoded(forecast);
-}
-inline Comparison::Payload comparable(command_t command) {
-  blank(command.header);
-  command.header.epoch = command.writer = command.counter = 0;
-  std::ranges::fill(command.mac, 0);
-  return encoded(command);
+/// Without what differs from run to run: messages/README.md.
+template <class Message>
+Comparison::Payload comparable(Message message) {
+  message.header.sender_mono_ns = 0;
+  message.header.source = header_t::TWIN;
+  if constexpr (std::is_same_v<Message, health_t>) message.step_p50_ns = message.step_max_ns = 0;
+  if constexpr (std::is_same_v<Message, command_t>) {
+    message.header.epoch = message.writer = message.counter = 0;
+  }
+  std::ranges::fill(message.mac, 0);
+  return encoded(message);
 }
 
 /// Hands on what is made, and keeps account. What the recorded core knew is what the record tells

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "clients/common/initial.hpp"
+#include "clients/common/shell_word.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -56,16 +57,6 @@ std::string verdict_of(const Trial& trial) {
 }
 
 std::string cell(double value) { return std::isfinite(value) ? number_text(value) : ""; }
-
-/// As one word of a shell.
-std::string quoted(const std::string& text) {
-  constexpr std::string_view kPlain =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-+/:,=@%";
-  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
 
 }  // namespace
 
@@ -195,14 +186,14 @@ double Experiment::duration_of(const Settings& settings) const {
 
 std::string Experiment::repeat_command(std::int64_t run) const {
   const Settings chosen = settings(values(run));
-  std::string text = "gyrotwin simulate --rig " + quoted(bench_.rig);
-  for (const std::string& setting : chosen.rig) text += " --set " + quoted(setting);
+  std::string text = "gyrotwin simulate --rig " + shell_word(bench_.rig);
+  for (const std::string& setting : chosen.rig) text += " --set " + shell_word(setting);
   if (!chosen.start.empty()) {
-    text += " --initial " + quoted(fmt::format("{}", fmt::join(chosen.start, ",")));
+    text += " --initial " + shell_word(fmt::format("{}", fmt::join(chosen.start, ",")));
   }
   if (!bench_.scenario.source.empty()) {
-    text += " --scenario " + quoted(bench_.scenario.source);
-    for (const std::string& event : chosen.events) text += " --event " + quoted(event);
+    text += " --scenario " + shell_word(bench_.scenario.source);
+    for (const std::string& event : chosen.events) text += " --event " + shell_word(event);
   }
   return text + " --feedback sampled --duration " + number_text(duration_of(chosen));
 }

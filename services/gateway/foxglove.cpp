@@ -2,17 +2,14 @@
 
 #include <algorithm>
 
+#include "services/schema/little_endian.hpp"
+
 namespace gyrotwin::foxglove {
 
 namespace {
 
 constexpr std::uint8_t kMessageData = 1, kTime = 2;  // binary, to clients
 constexpr std::uint8_t kClientMessageData = 1;       // binary, of clients
-
-template <class Unsigned>
-void put_little_endian(Unsigned value, std::uint8_t* to) {
-  for (std::size_t i = 0; i < sizeof value; ++i) to[i] = static_cast<std::uint8_t>(value >> 8 * i);
-}
 
 std::string text(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -282,10 +282,13 @@ void Gateway::on_reception(const Reception& reception, std::int64_t now_ns, std:
     if (owner_) owner_->header = reply.header;
     requests_.on_reply(reply, now_ns);
   }
-  if (kChannels[index].type == kChannels[index_of(Channel::kIntegratorStatus)].type) {
+  if (kChannels[index].type == "status_t") {
     Bus::decode(reception, statuses_[index].emplace());
     status_at_[index] = now_ns;
-    if (is_owner_status(reception.channel)) owner_ = statuses_[index];
+    if (is_owner_status(reception.channel)) {
+      owner_ = statuses_[index];
+      owner_on_ = reception.channel;
+    }
   }
   if (subscribers_[index] == 0) return;
   auto body = std::make_shared<std::vector<std::uint8_t>>();
@@ -304,7 +307,7 @@ void Gateway::on_reception(const Reception& reception, std::int64_t now_ns, std:
 void Gateway::forget(std::int64_t now_ns) {
   for (std::size_t i = 0; i < statuses_.size(); ++i) {
     if (!statuses_[i] || now_ns - status_at_[i] < kSilence) continue;
-    if (owner_ && owner_->pid == statuses_[i]->pid) owner_.reset();
+    if (owner_on_ == kChannels[i].channel) owner_.reset();
     statuses_[i].reset();
   }
 }

@@ -95,7 +95,8 @@ class Gateway {
   std::array<int, kChannels.size()> subscribers_{};
   std::array<std::optional<status_t>, kChannels.size()> statuses_;
   std::array<std::int64_t, kChannels.size()> status_at_{};  // when heard [ns]
-  std::optional<status_t> owner_;
+  std::optional<status_t> owner_;                           // the last that was heard
+  Channel owner_on_ = Channel::kIntegratorStatus;
   GatewayCounters counters_;
 };
 

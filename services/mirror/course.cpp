@@ -76,12 +76,10 @@ void Course::look() noexcept {
 }
 
 /// Steps bear no drive that holds hard in its safe stop.
-void Course::calm_down(const model::State& state, const model::Input& input,
-                       model::Coordinates& acceleration) const noexcept {
+void Course::calm_down(const model::Motion& motion, const model::State& state,
+                       const model::Input& input, model::Coordinates& acceleration) const noexcept {
   if (at_.lawful || rig_.safety.drive == SafeStopDrive::kZeroTorque) return;
   const bool brake = rig_.safety.drive == SafeStopDrive::kBrake;
-  model::Motion motion;
-  model::evaluate(machine_, state, input, motion);
   for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
     const model::Drive& drive = machine_.drives[i];
     if (brake && drive.motor) continue;  // its brake is soft
@@ -99,8 +97,9 @@ bool Course::advance() noexcept {
     model::State k;
     k.q = at.v;
     const model::Input acting = input(at, t);
-    k.v = machine_.acceleration(at, acting, {});
-    calm_down(at, acting, k.v);
+    model::Motion motion;
+    k.v = model::accelerate(machine_, at, acting, {}, motion);
+    calm_down(motion, at, acting, k.v);
     return k;
   };
   const auto moved = [this](const model::State& k, double dt) {

@@ -56,7 +56,7 @@ class Course {
   model::Input input(const model::State& state, double t) const noexcept;
   void look() noexcept;
   void step_memory() noexcept;
-  void calm_down(const model::State& state, const model::Input& input,
+  void calm_down(const model::Motion& motion, const model::State& state, const model::Input& input,
                  model::Coordinates& acceleration) const noexcept;
 
   const Rig& rig_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr std::int64_t kStatusPeriod = kSecond / 10;
-constexpr std::int64_t kPatience = kSecond / 2;  // five STATUS messages missing
+constexpr std::int64_t kPatience = kSecond / 2;  // for SENSORS
 constexpr std::int64_t kActive = kSecond / 5;    // a TWIN/STATE that recent
 constexpr double kBehind = 3.0;                  // ticks
 
@@ -25,6 +25,7 @@ MirrorService::MirrorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& dae
     : bus_(bus),
       clock_(clock),
       daemon_(daemon),
+      owner_(daemon),
       epoch_(random_id()),
       mirror_(rig),
       behind_(static_cast<std::int64_t>(1e9 * kBehind * rig.loop.tick_s())) {}
@@ -104,37 +105,29 @@ void MirrorService::look_ahead() noexcept {
 }
 
 void MirrorService::on_owner(const status_t& status) noexcept {
-  if (said_lost_ || status.header.epoch != owner_.header.epoch || status.mode != owner_.mode) {
-    daemon_.log(LogLevel::kInfo, "owner {} on {}: {} {}", status.pid, text_view(status.host),
-                mode_name(status.mode), text_view(status.text));
-  }
+  owner_.hear(status, clock_.now_ns());
   if (status.header.epoch != mirror_.owner_epoch()) sensors_heard_ = -1;
-  said_lost_ = false;
-  owner_ = status;
-  owner_heard_ = clock_.now_ns();
   mirror_.on_owner(status);
-}
-
-bool MirrorService::lately(std::int64_t heard, std::int64_t now) const noexcept {
-  return heard >= 0 && now - heard < kPatience;
 }
 
 /// Stamps of different hosts cannot be compared.
 bool MirrorService::same_host() const noexcept {
-  return text_view(owner_.host) == std::string_view(identity_.host);
+  return text_view(owner_.last().host) == std::string_view(identity_.host);
 }
 
-/// What it waits for.
-void MirrorService::explain(status_t& status, std::int64_t now) const noexcept {
-  if (!lately(owner_heard_, now)) {
-    set_text(status.text,
-             "no owner is heard: start gyrotwin-integrator or gyrotwin-hardware with the same rig "
-             "file");
-  } else if (!lately(sensors_heard_, now)) {
+/// Why it does nothing, or not all.
+void MirrorService::explain(status_t& status, std::int64_t now) noexcept {
+  const status_t& owner = owner_.last();
+  if (status.mode == status_t::MODE_ACTIVE) {
+    if (age_.p50() > behind_) {
+      set_text(status.text, "behind: TWIN/STATE comes {:.1f} ms after SENSORS; forecasting yields",
+               1e-6 * static_cast<double>(age_.p50()));
+    }
+  } else if (sensors_heard_ < 0 || now - sensors_heard_ >= kPatience) {
     set_text(status.text, "owner {} on {:.24} sends no SENSORS: has its rig file [sensors]?",
-             owner_.pid, text_view(owner_.host));
+             owner.pid, text_view(owner.host));
   } else {
-    set_text(status.text, "settling: the owner is {}", mode_name(owner_.mode));
+    set_text(status.text, "settling: the owner is {}", mode_name(owner.mode));
   }
 }
 
@@ -153,16 +146,7 @@ void MirrorService::report(std::int64_t now) noexcept {
   const bool active = told_ >= 0 && now - told_ < kActive;
   status.mode = status_t::MODE_WAITING;
   if (active) status.mode = status_t::MODE_ACTIVE;
-  if (!active) {
-    explain(status, now);
-  } else if (age_.p50() > behind_) {
-    set_text(status.text, "behind: TWIN/STATE comes {:.1f} ms after SENSORS; forecasting yields",
-             1e-6 * static_cast<double>(age_.p50()));
-  }
-  if (!lately(owner_heard_, now)) {
-    if (!said_lost_) daemon_.log(LogLevel::kWarning, "the owner is silent");
-    said_lost_ = true;
-  }
+  if (!owner_.lost(now, status)) explain(status, now);
   fill_process(status, identity_, bus_.counters());
   status.compute_p50_ns = follow_.p50();
   status.compute_p99_ns = follow_.p99();
@@ -171,8 +155,9 @@ void MirrorService::report(std::int64_t now) noexcept {
   status.lateness_p99_ns = age_.p99();
   status.lateness_max_ns = age_.max();
   status.overruns = left_out_;
-  bus_.send(Channel::kMirrorStatus, status,
-            {epoch_, ++status_sequence_, owner_.header.tick, owner_.header.sim_time_ns});
+  bus_.send(
+      Channel::kMirrorStatus, status,
+      {epoch_, ++status_sequence_, owner_.last().header.tick, owner_.last().header.sim_time_ns});
 }
 
 }  // namespace gyrotwin

@@ -6,6 +6,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
 #include "services/runtime/histogram.hpp"
+#include "services/runtime/owner_watch.hpp"
 #include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {
@@ -28,25 +29,22 @@ class MirrorService {
   void look_ahead() noexcept;
   void on_owner(const status_t& status) noexcept;
   void report(std::int64_t now) noexcept;
-  void explain(status_t& status, std::int64_t now) const noexcept;
+  void explain(status_t& status, std::int64_t now) noexcept;
   bool same_host() const noexcept;
-  bool lately(std::int64_t heard, std::int64_t now) const noexcept;
 
   Bus& bus_;
   Clock& clock_;
   Daemon& daemon_;
+  OwnerWatch owner_;
   std::int64_t epoch_;  // of its STATUS
   Mirror mirror_;
 
   Identity identity_;
-  status_t owner_{};                 // the last STATUS of the owner
-  std::int64_t owner_heard_ = -1;    // wall time; -1: never
   std::int64_t sensors_heard_ = -1;  // of the owner that is followed
   std::int64_t told_ = -1;           // wall time of the last TWIN/STATE
   std::int64_t status_due_ = 0;      // wall time
   std::int64_t window_due_ = 0;      // wall time at which the statistics roll
   std::int64_t status_sequence_ = 0;
-  bool said_lost_ = true;      // nothing to say before an owner was there
   WindowedHistogram follow_;   // SENSORS received to TWIN/STATE sent
   WindowedHistogram step_;     // all work for one SENSORS
   WindowedHistogram age_;      // SENSORS sent to TWIN/STATE sent, on one host

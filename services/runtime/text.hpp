@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace gyrotwin {
@@ -32,9 +34,8 @@ std::string_view text_view(const std::uint8_t (&field)[N]) noexcept {
 }
 
 /// The text up to its first NUL, other control characters and non-ASCII shown as '?'.
-template <std::size_t N>
-std::string get_text(const std::uint8_t (&field)[N]) {
-  std::string text(field, std::find(field, field + N, 0));
+inline std::string get_text(std::span<const std::uint8_t> field) {
+  std::string text(field.begin(), std::find(field.begin(), field.end(), 0));
   for (char& c : text) {
     if (c < ' ' || c > '~') c = '?';
   }

@@ -6,19 +6,13 @@
 #include <cmath>
 #include <iterator>
 
+#include "services/runtime/text.hpp"
+
 namespace gyrotwin {
 
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
-
-/// Bytes up to the first NUL, what no terminal should see as '?'.
-std::string text_of(Bytes field) {
-  std::string text(field.begin(), std::ranges::find(field, 0));
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
-}
 
 bool is_byte_array(const LcmField& field) {
   return field.type == nullptr && field.primitive == Primitive::kByte &&
@@ -69,7 +63,7 @@ void append_json_fields(std::string& to, const LcmType& type, Bytes body) {
     if (!is_byte_array(field)) {
       append_json_value(to, field, 0, bytes);
     } else if (field.is_text) {
-      append_json_string(to, text_of(bytes));
+      append_json_string(to, get_text(bytes));
     } else {
       to += '"';
       append_hex(to, bytes);
@@ -112,7 +106,7 @@ void append_short_fields(std::string& to, const LcmType& type, Bytes body) {
     if (is_byte_array(field)) {
       if (field.is_text) {
         to.append(" ").append(field.name).append(" ");
-        append_json_string(to, text_of(bytes));
+        append_json_string(to, get_text(bytes));
       }
       continue;
     }
@@ -126,7 +120,7 @@ void append_short_fields(std::string& to, const LcmType& type, Bytes body) {
 std::string text_at(const LcmType& type, Bytes payload, std::string_view field) {
   const auto found = std::ranges::find(type.fields, field, &LcmField::name);
   if (found == type.fields.end() || !is_byte_array(*found)) return "";
-  return text_of(payload.subspan(sizeof type.fingerprint + found->offset, size_of(*found)));
+  return get_text(payload.subspan(sizeof type.fingerprint + found->offset, size_of(*found)));
 }
 
 void append_json_string(std::string& to, std::string_view text) {

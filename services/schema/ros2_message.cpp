@@ -5,6 +5,8 @@
 #include <cctype>
 #include <utility>
 
+#include "services/schema/little_endian.hpp"
+
 namespace gyrotwin {
 
 namespace {
@@ -91,11 +93,6 @@ void gather(const LcmType& type, std::vector<const LcmType*>& to) {
 void align(std::vector<std::uint8_t>& to, std::size_t begin, std::size_t size) {
   const std::size_t body = to.size() - begin - kEncapsulation.size();
   to.resize(to.size() + (size - body % size) % size);
-}
-
-void append_little_endian(std::vector<std::uint8_t>& to, std::uint32_t value) {
-  for (int shift = 0; shift < 32; shift += 8)
-    to.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
 }  // namespace

@@ -14,13 +14,18 @@ namespace gyrotwin {
 namespace {
 
 struct Bench {
-  explicit Bench(const char* host) {
+  explicit Bench(const char* host) : owner_host(host) {
     loop.hear();
-    status_t held{};
-    loop.integrator.fill(held);
-    set_text(held.host, "{}", host);
-    owner.send(Channel::kIntegratorStatus, held, {.epoch = loop.integrator.epoch()});
+    tell_status();
     loop.ask(request_t::ARM);
+  }
+
+  void tell_status() {
+    status_t told{};
+    loop.integrator.fill(told);
+    set_text(told.host, "{}", owner_host);
+    owner.send(Channel::kIntegratorStatus, told,
+               {.epoch = loop.integrator.epoch(), .sequence = ++status_sequence});
   }
 
   /// So many ticks wait on the bus when the mirror looks.
@@ -33,6 +38,7 @@ struct Bench {
       owner.send(Channel::kSensors, loop.sensors, stamp);
       owner.send(Channel::kCommand, loop.command, stamp);
     }
+    tell_status();
     clock.advance(kSecond);  // STATUS is due
     service.round();
     while (const auto reception = ears.receive()) {
@@ -45,6 +51,8 @@ struct Bench {
     for (int i = 0; i < count; ++i) round_after(ticks);
   }
 
+  std::string owner_host;
+  std::int64_t status_sequence = 0;
   support::MirroredLoop loop{"double_brennan", {"loop.state=estimate"}};
   BusConfig config = test_config();
   Bus ears{config}, owner{config}, bus{config};

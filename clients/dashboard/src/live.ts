@@ -7,8 +7,8 @@ import {type Channel, Connection, type Data, type Parameter, type ServerMessage,
 import {ClockDifference, Heard, type Happening, type Recording, type Tone} from './heard';
 import {Layout, Numbers} from './layout';
 import {
-  type Forecast, type Health, type Link, MODES, type Reply, type State, type Status, type Topic, type Topics,
-  type Truth, VALID, seconds,
+  FALLS, type Forecast, type Health, type Link, MODES, type Reply, type State, type Status, type Topic, type Topics,
+  FAULT, SAFE_STOP, type Truth, VALID, seconds,
 } from './messages';
 import {Writer, type Request} from './requests';
 import {Rig, degrees} from './rig';
@@ -244,7 +244,7 @@ export class Live {
 
   private hearForecast(heard: Heard<Forecast>): void {
     this.forecast = heard;
-    const falls = heard.value.outcome === 2 && this.mode !== 4;
+    const falls = heard.value.outcome === FALLS;
     if (falls && !this.said.falls) {
       this.happen('bad', 'forecast', `falls in ${seconds(heard.value.falls_in_ns).toFixed(2)} s`);
     }
@@ -259,7 +259,7 @@ export class Live {
     if (!before) {
       this.happen('info', service, `heard: ${heard.value.pid} on ${heard.value.host}, ${MODES[mode] ?? mode}`);
     } else if (before.value.mode !== mode) {
-      const bad = mode >= 3 && mode <= 5;
+      const bad = mode >= SAFE_STOP && mode <= FAULT;
       this.happen(bad ? 'bad' : 'info', service,
         `${MODES[before.value.mode] ?? ''} → ${MODES[mode] ?? mode}${text ? `: ${text}` : ''}`);
     } else if (heard.at - before.at > 2) {

@@ -1,8 +1,6 @@
 // What comes over the socket, as messages/*.lcm describe it: the fields that the page looks at.
 
 export interface Header {
-  rig_id: number;
-  source: number;
   epoch: bigint;
   sequence: bigint;
   tick: bigint;
@@ -21,7 +19,6 @@ export interface State {
   disc_angle_rad: number;
   disc_rate_rad_s: number;
   gimbal_angle_rad: Float64Array;
-  gimbal_rate_rad_s: Float64Array;
   rotor_speed_rad_s: Float64Array;
   drive_torque_nm: Float64Array;
 }
@@ -34,7 +31,6 @@ export interface Truth {
   external_moment_nm: Float64Array;
   kinetic_energy_j: number;
   potential_energy_j: number;
-  load_cell_n: number;
   drive_margin_nm: Float64Array;
 }
 
@@ -48,9 +44,7 @@ export interface Status {
   host: string;
   text: string;
   speed_factor: number;
-  tick_period_ns: bigint;
   overruns: bigint;
-  skipped_ticks: bigint;
   lateness_p50_ns: bigint;
   lateness_p99_ns: bigint;
   lateness_max_ns: bigint;
@@ -58,7 +52,6 @@ export interface Status {
   compute_p99_ns: bigint;
   compute_max_ns: bigint;
   kernel_dropped: bigint;
-  send_failed: bigint;
   malformed: bigint;
   unauthentic: bigint;
   gaps: BigInt64Array;
@@ -70,11 +63,8 @@ export interface Health {
   blame: number;
   sensor_verdict: Int32Array;
   nis: Float64Array;
-  nis_limit: Float64Array;
   nis_total: number;
   external_moment_nm: Float64Array;
-  external_moment_sigma_nm: Float64Array;
-  disc_friction_nm: number;
   text: string;
 }
 
@@ -107,7 +97,6 @@ export interface Reply {
   request_counter: bigint;
   verb: number;
   result: number;
-  applied_tick: bigint;
   id: bigint;
   text: string;
 }
@@ -138,6 +127,7 @@ export const MODE_WORDS: Record<number, string> = {
   3: 'the drives are in their safe stop', 4: 'it has fallen', 5: 'a fault stopped it',
 };
 export const HELD = 0, RUNNING = 1, PAUSED = 2, SAFE_STOP = 3, FALLEN = 4, FAULT = 5;
+export const FALLS = 2;  // outcome of a forecast
 export const SENSORS = ['gyro', 'accelerometer', 'disc', 'gimbals', 'rotors', 'currents', 'bus voltage', 'load cell'];
 export const SENSOR_VERDICTS = ['', 'agrees', 'disagrees', 'stuck', 'silent', 'insane', 'late'];
 export const HARDWARE_SOURCE = 2;

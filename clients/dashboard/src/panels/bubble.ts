@@ -1,6 +1,6 @@
 // A bubble level: where the structure leans, where the twin has it, how far it may, and what is forecast.
 import type {Live} from '../live';
-import {seconds} from '../messages';
+import {FALLS, seconds} from '../messages';
 import {degrees, tiltOf} from '../rig';
 
 const NS = 'http://www.w3.org/2000/svg';
@@ -50,7 +50,7 @@ export class Bubble {
     const forecast = live.age(live.forecast) < 1 ? live.forecast!.value : null;
     this.next.classList.toggle('hidden', !forecast);
     if (!forecast) return;
-    this.next.classList.toggle('bad', forecast.outcome === 2);
+    this.next.classList.toggle('bad', forecast.outcome === FALLS);
     const share = Math.min(1.05, Math.sqrt(forecast.peak_tilt_rad / rig.fallTilt));
     const length = Math.hypot(at[0], at[1]);
     move(this.next, length > 1e-6 ? [share * at[0] / length, share * at[1] / length] : [0, -share]);

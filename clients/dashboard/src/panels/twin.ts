@@ -1,11 +1,9 @@
 // Whether the twin agrees with the rig, who is to blame, and what comes next: in words.
 import {card, el, put, say} from '../dom';
 import type {Live} from '../live';
-import {FALLEN, type Forecast, SENSORS, SENSOR_VERDICTS, seconds} from '../messages';
+import {FALLEN, FALLS, type Forecast, SENSORS, SENSOR_VERDICTS, seconds} from '../messages';
 import {degrees} from '../rig';
 import {amount} from '../units';
-
-const FALLS = 2;
 
 /** "stands; peak 4.1° in 0.30 s" */
 export function outlook(forecast: Forecast): {falls: boolean; text: string} {

@@ -2,12 +2,12 @@
 // direction of the lean; and the circle beyond which it has fallen.
 import * as THREE from 'three';
 
-import type {Forecast, State} from '../messages';
+import {FALLS, type Forecast, type State} from '../messages';
 import {type Rig, tiltOf} from '../rig';
 import type {Machine} from './machine';
 
 const DOTS = 14;
-const STANDS = 0x2cc3a3, FALLS = 0xff5a36;
+const STANDING = 0x2cc3a3, FALLING = 0xff5a36;
 const LEAST = 0.01;  // [rad] of arc that is drawn
 
 /** Point at `tilt` from the vertical towards where (x, y) points, `length` from the ground pivot. */
@@ -18,7 +18,7 @@ export function leaning(x: number, y: number, tilt: number, length: number): THR
 
 export class Ahead {
   readonly object = new THREE.Group();
-  private readonly colour = new THREE.MeshBasicMaterial({color: STANDS, transparent: true, opacity: 0.9, toneMapped: false});
+  private readonly colour = new THREE.MeshBasicMaterial({color: STANDING, transparent: true, opacity: 0.9, toneMapped: false});
   private readonly dots: THREE.Mesh[];
   private readonly peak: THREE.Mesh;
   private readonly mast: THREE.Mesh;
@@ -41,10 +41,10 @@ export class Ahead {
     if (!this.rig.tilts) return;
     const axis = new THREE.Vector3().setFromMatrixColumn(this.machine.structure.matrixWorld, 2);
     this.mast.position.copy(axis).multiplyScalar(this.length);
-    const lean = tiltOf(state.tilt_rad), falls = forecast?.outcome === 2;
+    const lean = tiltOf(state.tilt_rad), falls = forecast?.outcome === FALLS;
     const peak = forecast ? Math.min(falls ? Math.max(forecast.peak_tilt_rad, this.rig.fallTilt) : forecast.peak_tilt_rad, 1.4) : lean;
     const shown = forecast !== null && Math.abs(peak - lean) > LEAST && lean > 1e-4;
-    this.colour.color.setHex(falls ? FALLS : STANDS);
+    this.colour.color.setHex(falls ? FALLING : STANDING);
     this.dots.forEach((dot, i) => {
       dot.visible = shown;
       dot.position.copy(leaning(axis.x, axis.y, lean + (peak - lean) * (i + 1) / DOTS, this.length));
@@ -65,5 +65,5 @@ function limitOf(rig: Rig, length: number): THREE.LineSegments {
     for (const end of [angle, angle + dash]) points.push(leaning(Math.cos(end), Math.sin(end), rig.fallTilt, length));
   }
   return new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(points),
-    new THREE.LineBasicMaterial({color: FALLS, transparent: true, opacity: 0.2}));
+    new THREE.LineBasicMaterial({color: FALLING, transparent: true, opacity: 0.2}));
 }
