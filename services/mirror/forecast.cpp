@@ -35,7 +35,8 @@ Forecast::Forecast(const Rig& rig, const model::Machine& machine, const Forecast
       normals_(static_cast<std::size_t>(kDraws) * (2 * machine.coordinates() + 2)),
       moment_period_(std::max<std::int64_t>(
           1, std::llround(settings.lasting_s / (kMoments - 1) / rig.loop.tick_s()))),
-      course_(rig, kHorizon, step_) {
+      course_(rig, kHorizon, step_),
+      start_course_(rig, kHorizon, step_) {
   // In pairs of opposites, so that their mean is the estimate.
   const std::size_t width = normals_.size() / kDraws;
   for (std::size_t draw = 0; draw < kDraws; ++draw) {
@@ -49,8 +50,12 @@ Forecast::Forecast(const Rig& rig, const model::Machine& machine, const Forecast
 }
 
 void Forecast::reset() noexcept {
-  busy_ = lawful_ = false;
-  falls_in_row_ = shares_ = 0;
+  lawful_ = false;
+  busy_ = starting_ = false;
+  forecast_.header.sequence = -1;
+  shares_ = draw_ = 0;
+  falls_since_ns_ = -1;
+  alarmed_ = false;
   moments_known_ = 0;
   now_ = {};
 }
@@ -97,113 +102,114 @@ void Forecast::follow(const Estimate& estimate, const header_t& at,
   remember(estimate, lawful);
   if (!lawful) stopped_from_ = *stopped_from;
   if (lawful == lawful_) return;
+  alarmed_ = false;
   break_off();
-  falls_in_row_ = 0;
   lawful_ = lawful;
 }
 
 void Forecast::break_off() noexcept {
-  busy_ = false;
+  busy_ = starting_ = false;
   shares_ = 0;
-  if (!alarmed()) falls_in_row_ = 0;
-}
-
-bool Forecast::work(const Follower& follower) noexcept {
-  if (!follower.estimate().state.finite()) return false;
-  const bool due = now_.tick / period_ != at_.tick / period_;
-  const bool told = busy_ && mean_known_ && due;
-  if (told) conclude();
-  if (!busy_) begin(follower);
-  advance();
-  return told;
-}
-
-void Forecast::begin(const Follower& follower) noexcept {
-  const Estimate& estimate = follower.estimate();
-  const Eigen::Vector2d lasting = lasting_moment();
-  at_ = now_;
-  busy_ = true;
-  mean_known_ = false;
-  outset_ = {.state = estimate.state,
-             .memory = memory_,
-             .lawful = lawful_,
-             .stopped_from = stopped_from_,
-             .lasting_moment = lasting,
-             .fading_moment = estimate.external_moment - lasting,
-             .fade_s = settings_.fade_s,
-             .disc_friction = estimate.disc_friction,
-             .drive_strength = estimate.drive_strength};
-  for (double& strength : outset_.drive_strength) strength = std::clamp(strength, 0.0, 1.0);
-
-  const auto turn = static_cast<int>(kStarts * (now_.tick / period_) % kDraws);
-  const double* moments = normals_.data() + kDraws * follower.dimension();
-  for (int i = 0; i < kStarts; ++i) {
-    const int draw = (turn + i) % kDraws;
-    starts_[i].state = follower.draw(draw, normals_);
-    starts_[i].moment = {moments[2 * draw] * estimate.external_moment_sigma.x(),
-                         moments[2 * draw + 1] * estimate.external_moment_sigma.y()};
-  }
-  started_ = 1;
-  course_.begin(outset_);
-  // Beyond the limit from the start on: there is nothing to advance.
-  if (course_.over()) keep_mean();
-}
-
-void Forecast::keep_mean() noexcept {
-  outcome_ = course_.outcome();
-  mean_known_ = true;
-}
-
-void Forecast::begin_start(int index) noexcept {
-  Outset outset = outset_;
-  outset.state = starts_[index].state;
-  outset.fading_moment += starts_[index].moment;
-  course_.begin(outset);
+  falls_since_ns_ = -1;
 }
 
 /// A tick's portion: the estimate's course, then those of as many starts as there is time for.
-void Forecast::advance() noexcept {
+bool Forecast::work(const Follower& follower) noexcept {
+  if (!follower.estimate().state.finite()) return false;
+  if (!busy_ && now_.tick / period_ != forecast_.header.sequence) {
+    at_ = now_;
+    course_.begin(outset(follower.estimate()));
+    busy_ = true;
+  }
+  bool told = false;
   for (int i = 0; i < portion_; ++i) {
-    if (course_.over()) {
-      if (started_ > kStarts) return;
-      begin_start(started_++ - 1);
-    }
-    if (course_.advance()) continue;
-    if (started_ == 1) {
-      keep_mean();
-    } else {
-      share_[shares_ % kShare] = course_.outcome().falls();
-      count_up(shares_, kShare);
+    if (busy_) {
+      if (course_.advance()) continue;
+      conclude(course_.outcome());
+      told = true;
+    } else if (!advance_start(follower)) {
+      break;
     }
   }
+  return told;
 }
 
-double Forecast::share() const noexcept {
+Outset Forecast::outset(const Estimate& estimate) const noexcept {
+  const Eigen::Vector2d lasting = lasting_moment();
+  Outset outset{.state = estimate.state,
+                .memory = memory_,
+                .lawful = lawful_,
+                .stopped_from = stopped_from_,
+                .lasting_moment = lasting,
+                .fading_moment = estimate.external_moment - lasting,
+                .fade_s = settings_.fade_s,
+                .disc_friction = estimate.disc_friction,
+                .drive_strength = estimate.drive_strength};
+  for (double& strength : outset.drive_strength) strength = std::clamp(strength, 0.0, 1.0);
+  return outset;
+}
+
+/// A step of a start's course, which goes on over the next forecasts until it is over.
+/// @return false: it is over. To draw another costs more than steps do: that is left to the next
+/// tick
+bool Forecast::advance_start(const Follower& follower) noexcept {
+  if (!starting_) begin_start(follower);
+  starting_ = start_course_.advance();
+  if (starting_) return true;
+  share_[shares_ % kShare] = start_course_.outcome().falls();
+  count_up(shares_, kShare);
+  return false;
+}
+
+void Forecast::begin_start(const Follower& follower) noexcept {
+  const Estimate& estimate = follower.estimate();
+  const double* moment = normals_.data() + kDraws * follower.dimension() + 2 * draw_;
+  Outset start = outset(estimate);
+  start.state = follower.draw(draw_, normals_);
+  start.fading_moment.x() += moment[0] * estimate.external_moment_sigma.x();
+  start.fading_moment.y() += moment[1] * estimate.external_moment_sigma.y();
+  draw_ = (draw_ + 1) % kDraws;
+  start_course_.begin(start);
+}
+
+/// Of the estimate's course and the last starts', those that fall.
+double Forecast::share(bool falls) const noexcept {
   const int known = std::min(shares_, kShare);
   const auto fallen = std::count(share_.begin(), share_.begin() + known, true);
-  return (static_cast<double>(fallen) + (outcome_.falls() ? 1.0 : 0.0)) / (known + 1.0);
+  return (static_cast<double>(fallen) + (falls ? 1.0 : 0.0)) / (known + 1.0);
 }
 
-void Forecast::conclude() noexcept {
-  falls_in_row_ = outcome_.falls() ? std::min(falls_in_row_ + 1, settings_.confirm) : 0;
-  const bool falls = alarmed();
+/// The more time is left, the longer an alarm may wait to be sure.
+void Forecast::watch(const Outcome& outcome) noexcept {
+  if (!outcome.falls()) {
+    falls_since_ns_ = -1;
+    alarmed_ = false;
+    return;
+  }
+  if (falls_since_ns_ < 0) falls_since_ns_ = at_.sim_time_ns;
+  const double wait = std::max(settings_.confirm_s, settings_.patience * outcome.fell_at);
+  alarmed_ |= at_.sim_time_ns - falls_since_ns_ >= nanoseconds(wait);
+}
+
+void Forecast::conclude(const Outcome& outcome) noexcept {
+  busy_ = false;
+  watch(outcome);
   forecast_ = {};
   forecast_.header = at_;
-  forecast_.header.sequence = now_.tick / period_;
+  forecast_.header.sequence = at_.tick / period_;
   forecast_.outcome = forecast_t::STANDS;
-  if (falls) forecast_.outcome = forecast_t::FALLS;
-  forecast_.law = outset_.lawful ? 1 : 0;
+  if (alarmed_) forecast_.outcome = forecast_t::FALLS;
+  forecast_.law = lawful_ ? 1 : 0;
   forecast_.horizon_ns = nanoseconds(kHorizon);
-  forecast_.falls_in_ns = falls ? nanoseconds(outcome_.fell_at) : -1;
-  forecast_.peak_tilt_rad = outcome_.peak_tilt;
-  forecast_.peak_in_ns = nanoseconds(outcome_.peak_at);
-  forecast_.final_tilt_rad = outcome_.tilt;
-  forecast_.tilt_margin_rad = rig_.safety.fall_tilt_rad - outcome_.peak_tilt;
-  forecast_.gimbal_margin_rad = outcome_.gimbal_margin;
-  forecast_.saturates_in_ns = nanoseconds(outcome_.saturated_at);
-  forecast_.fall_probability = share();
+  forecast_.falls_in_ns = alarmed_ ? nanoseconds(outcome.fell_at) : -1;
+  forecast_.peak_tilt_rad = outcome.peak_tilt;
+  forecast_.peak_in_ns = nanoseconds(outcome.peak_at);
+  forecast_.final_tilt_rad = outcome.tilt;
+  forecast_.tilt_margin_rad = rig_.safety.fall_tilt_rad - outcome.peak_tilt;
+  forecast_.gimbal_margin_rad = outcome.gimbal_margin;
+  forecast_.saturates_in_ns = nanoseconds(outcome.saturated_at);
+  forecast_.fall_probability = share(outcome.falls());
   forecast_.age_ns = now_.sim_time_ns - at_.sim_time_ns;
-  busy_ = false;
 }
 
 }  // namespace gyrotwin

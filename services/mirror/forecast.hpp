@@ -16,16 +16,18 @@ namespace gyrotwin {
 
 /// What is assumed of what no sensor shows.
 struct ForecastSettings {
-  double lasting_s = 0.15;  ///< a moment that has acted for so long lasts [s]
+  double lasting_s = 0.12;  ///< a moment that has acted for so long lasts [s]
   double fade_s = 0.02;     ///< what is beyond it fades with this time constant [s]
-  int confirm = 3;          ///< forecasts in a row that see it fall
+  /// An alarm: forecasts on end have seen it fall for so long [s], which sits a push out...
+  double confirm_s = 0.08;
+  double patience = 0.15;  ///< ...and for this share of the time that is left until the fall
 };
 
 class Forecast {
  public:
   static constexpr double kHorizon = 2.0;  ///< how far it looks [s]
-  static constexpr double kRate = 25.0;    ///< forecasts a second of the owner's time
-  static constexpr double kCourses = 2.4;  ///< full courses that are run for one forecast
+  static constexpr double kRate = 50.0;    ///< forecasts a second of the owner's time
+  static constexpr double kCourses = 1.2;  ///< full courses that are run for one forecast
   static constexpr int kDraws = 16;        ///< of starts, before they come again
   static constexpr int kShare = 8;         ///< last starts of which the share that falls is told
 
@@ -52,19 +54,13 @@ class Forecast {
   int portion() const noexcept { return portion_; }  ///< steps in a tick, at most
 
  private:
-  struct Start {
-    model::State state;
-    Eigen::Vector2d moment;  ///< beside the estimate's [N m]
-  };
-
   void remember(const Estimate& estimate, bool lawful) noexcept;
-  void begin(const Follower& follower) noexcept;
-  void begin_start(int index) noexcept;
-  void keep_mean() noexcept;
-  void advance() noexcept;
-  void conclude() noexcept;
-  double share() const noexcept;
-  bool alarmed() const noexcept { return falls_in_row_ >= settings_.confirm; }
+  Outset outset(const Estimate& estimate) const noexcept;
+  bool advance_start(const Follower& follower) noexcept;
+  void begin_start(const Follower& follower) noexcept;
+  void conclude(const Outcome& outcome) noexcept;
+  double share(bool falls) const noexcept;
+  void watch(const Outcome& outcome) noexcept;
   Eigen::Vector2d lasting_moment() const noexcept;
 
   const Rig& rig_;
@@ -88,16 +84,16 @@ class Forecast {
 
   // The forecast that is worked on.
   Course course_;
+  bool busy_ = false;  // with it
   header_t at_{};
-  bool busy_ = false;  // begun, and not yet told
-  Outset outset_;
-  static constexpr int kStarts = 6;  // of one forecast, at most
-  std::array<Start, kStarts> starts_{};
-  int started_ = 0;  // courses begun: the estimate's is the first
-  Outcome outcome_;  // of the estimate's course, once another has begun
-  bool mean_known_ = false;
-  int falls_in_row_ = 0;
-  std::array<bool, kShare> share_{};  // a ring
+  std::int64_t falls_since_ns_ = -1;  // of those that see it fall, the first; -1: none
+  bool alarmed_ = false;
+
+  // The start that is worked on.
+  Course start_course_;
+  bool starting_ = false;             // with it
+  int draw_ = 0;                      // of the next one
+  std::array<bool, kShare> share_{};  // whether the last ones fall, a ring
   int shares_ = 0;                    // modulo its size once it is full
 
   forecast_t forecast_{};

@@ -109,10 +109,12 @@ void Mirror::watch_misfit() noexcept {
   misfit_ += rig_.loop.tick_s() / kMisfitWindow * (sum / channels - misfit_);
 }
 
-/// Where the rig is, is known well enough for a forecast.
+/// Where the rig is, is known well enough for a forecast. Without a gyro nothing shows how it
+/// tilts.
 bool Mirror::ripe() const noexcept {
   const std::int64_t ticks = sensors_.header.tick - unsettled_since_;
-  return started_ && static_cast<double>(ticks) * rig_.loop.tick_s() >= kRipe &&
+  const bool turns_known = sensors_.valid & ~health_.distrusted() & sensors_t::VALID_GYRO;
+  return started_ && static_cast<double>(ticks) * rig_.loop.tick_s() >= kRipe && turns_known &&
          misfit_ < kContradicted;
 }
 

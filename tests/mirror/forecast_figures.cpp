@@ -1,5 +1,7 @@
 // How early falls are forecast, and how often in vain: many seeded runs, a line for each trouble.
-//   forecast_figures [FIRST_SEED [SEEDS [FILTER [FADE LASTING CONFIRM]]]]
+//   forecast_figures [FIRST_SEED [SEEDS [FILTER [FADE LASTING CONFIRM PATIENCE]]]]
+// With VERBOSE set also a line a run: when each forecast was told, whether its own course falls (F)
+// or stands (s), the share that falls, and after @ how long until then, once there is an alarm.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -67,7 +69,8 @@ int main(int argc, char** argv) {
   gyrotwin::ForecastSettings settings;
   settings.fade_s = number(4, settings.fade_s);
   settings.lasting_s = number(5, settings.lasting_s);
-  settings.confirm = static_cast<int>(number(6, settings.confirm));
+  settings.confirm_s = number(6, settings.confirm_s);
+  settings.patience = number(7, settings.patience);
   const bool verbose = std::getenv("VERBOSE") != nullptr;
 
   std::puts(
@@ -87,8 +90,9 @@ int main(int argc, char** argv) {
       std::printf("%s,%d,%.3f,%.3f,%.3f", name.c_str(), static_cast<int>(seed), fate.fell_at,
                   fate.cause_at, fate.peak_tilt);
       for (const Told& told : fate.told) {
-        std::printf(",%.2f%c%.2f", told.at, told.forecast.tilt_margin_rad < 0.0 ? 'F' : 's',
-                    told.forecast.fall_probability);
+        std::printf(",%.3f%c%.2f@%.2f", told.at, told.forecast.tilt_margin_rad < 0.0 ? 'F' : 's',
+                    told.forecast.fall_probability,
+                    1e-9 * static_cast<double>(told.forecast.falls_in_ns));
       }
       std::puts("");
     }

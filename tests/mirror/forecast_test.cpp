@@ -165,7 +165,12 @@ TEST(Forecast, IsToldWhereTheEstimateBeginsBeyondTheLimit) {
   int told = 0;
   header_t at{};
   const auto second = std::llround(rig.loop.rate_hz);
-  for (at.tick = 1; at.tick <= second; ++at.tick) told += step(forecast, follower, at);
+  const auto next = [&] {
+    ++at.tick;
+    at.sim_time_ns = std::llround(1e9 * rig.loop.tick_s() * static_cast<double>(at.tick));
+    return step(forecast, follower, at);
+  };
+  for (int k = 0; k < second; ++k) told += next();
   EXPECT_GE(told, 20) << "in a second";
   forecast_t last{};
   forecast.fill(last);
@@ -175,7 +180,7 @@ TEST(Forecast, IsToldWhereTheEstimateBeginsBeyondTheLimit) {
   // And it goes on once the rig stands.
   follower.start({});
   told = 0;
-  for (; at.tick <= 2 * second; ++at.tick) told += step(forecast, follower, at);
+  for (int k = 0; k < second; ++k) told += next();
   EXPECT_GE(told, 20) << "in a second";
   forecast.fill(last);
   EXPECT_GT(last.tilt_margin_rad, 0.0);
