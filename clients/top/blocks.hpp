@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/common/wrap.hpp"
 #include "clients/top/line.hpp"
 #include "clients/top/margins.hpp"
 #include "clients/top/picture.hpp"
@@ -48,9 +49,6 @@ struct Heading {
   std::string text;
 };
 Line rule(const View& view, const std::vector<Heading>& headings);
-
-/// Cuts text into lines at blanks, none longer than `columns` unless a word is.
-std::vector<std::string> wrap(const std::string& text, std::size_t columns);
 
 /// "0.1 s ago".
 std::string ago(std::int64_t age_ns);

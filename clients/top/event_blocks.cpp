@@ -97,21 +97,6 @@ Line rule(const View& view, const std::vector<Heading>& headings) {
   return line;
 }
 
-std::vector<std::string> wrap(const std::string& text, std::size_t columns) {
-  std::vector<std::string> parts{""};
-  std::size_t from = 0;
-  while (from < text.size()) {
-    const std::size_t to = std::min(text.find(' ', from), text.size());
-    const std::string word = text.substr(from, to - from);
-    if (!parts.back().empty() && parts.back().size() + 1 + word.size() > columns) {
-      parts.emplace_back();
-    }
-    parts.back() += (parts.back().empty() ? "" : " ") + word;
-    from = to + 1;
-  }
-  return parts;
-}
-
 std::string ago(std::int64_t age_ns) {
   return fmt::format("{:.1f} s ago", 1e-9 * static_cast<double>(age_ns));
 }

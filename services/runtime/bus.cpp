@@ -31,10 +31,6 @@ std::optional<std::uint32_t> kernel_drops(msghdr& message) noexcept {
   return {};
 }
 
-/// What a bus asks for [bytes, as the kernel counts them: about 1 kB for a STATE, 2.3 kB for a
-/// STATUS]: a daemon that is held up for 50 ms loses nothing.
-constexpr int kReceiveBuffer = 4 << 20;
-
 }  // namespace
 
 MulticastSockets open_sockets(const BusConfig& config, int receive_buffer) {

@@ -115,6 +115,14 @@ std::string own_path() {
 
 }  // namespace
 
+Rights take_realtime(int priority) {
+  // Without realtime rights the kernel would bundle wake-ups within 50 us.
+  ::prctl(PR_SET_TIMERSLACK, 1);
+  const Rights rights{.priority_error = take_fifo(priority), .memory_error = lock_memory()};
+  touch_stack();
+  return rights;
+}
+
 Daemon::Daemon(std::string name) {
   // SIGPIPE as well: the reader of the log may go, the plant still needs its owner.
   const sigset_t blocked = signal_set({SIGINT, SIGTERM, SIGXCPU, SIGPIPE});
@@ -123,20 +131,20 @@ Daemon::Daemon(std::string name) {
       [this, name = std::move(name)](const std::stop_token& closing) { housekeep(closing, name); });
 }
 
-void Daemon::become_realtime(int priority) {
-  // Without realtime rights the kernel would bundle wake-ups within 50 us.
-  ::prctl(PR_SET_TIMERSLACK, 1);
+Rights Daemon::ask_realtime(int priority) {
   realtime_thread_ = ::gettid();
-  const int fifo_error = take_fifo(priority);
-  const int lock_error = lock_memory();
-  touch_stack();
-  if (fifo_error == 0 && lock_error == 0) return;
+  return take_realtime(priority);
+}
+
+void Daemon::become_realtime(int priority) {
+  const Rights rights = ask_realtime(priority);
+  if (rights.granted()) return;
 
   const auto outcome = [](int error) { return error == 0 ? "granted" : std::strerror(error); };
   log(LogLevel::kWarning,
       "ticks may be late under load: realtime priority {}: {}, locked memory: {}; grant both with: "
       "sudo setcap cap_sys_nice,cap_ipc_lock+ep {}",
-      priority, outcome(fifo_error), outcome(lock_error), own_path());
+      priority, outcome(rights.priority_error), outcome(rights.memory_error), own_path());
 }
 
 void Daemon::queue(LogLevel level, fmt::string_view format, fmt::format_args args) noexcept {

@@ -24,6 +24,18 @@ namespace gyrotwin {
 /// How grave a line of the log is.
 enum class LogLevel : std::uint8_t { kInfo, kWarning, kError };
 
+/// What came of asking for a realtime priority and for locked memory: 0 when granted, else errno.
+struct Rights {
+  int priority_error = 0;
+  int memory_error = 0;
+  bool granted() const noexcept { return priority_error == 0 && memory_error == 0; }
+};
+
+/// SCHED_FIFO at `priority` (1 to 99) for the calling thread and mlockall with a touched stack, as
+/// far as permitted. RLIMIT_RTTIME then sends SIGXCPU to a thread that works for 0.2 s without a
+/// sleep.
+Rights take_realtime(int priority);
+
 /// Owns everything beside the tick thread of one daemon. To be made first in main(), on the thread
 /// that will tick: blocks SIGINT and SIGTERM for all threads, starts the housekeeping thread
 /// (normal priority) that waits for these signals and writes the log.
@@ -39,11 +51,12 @@ class Daemon {
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
 
-  /// SCHED_FIFO at `priority` (1 to 99) for the calling thread and mlockall with a touched stack,
-  /// as far as permitted; otherwise a warning that says what to grant. Best after everything is
-  /// allocated. RLIMIT_RTTIME is the watchdog: a thread that works for 0.2 s without a sleep loses
-  /// the priority, and the log says so.
+  /// take_realtime() for the thread that ticks, and a warning that says what to grant where it was
+  /// refused. Best after everything is allocated. A thread that works for 0.2 s without a sleep
+  /// loses the priority, and the log says so.
   void become_realtime(int priority);
+  /// The same without the warning.
+  Rights ask_realtime(int priority);
 
   /// A termination signal has come. Cheap; for every tick.
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }

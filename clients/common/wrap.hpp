@@ -1,0 +1,27 @@
+// Text in lines of a given width.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace gyrotwin {
+
+/// Cuts text into lines at blanks, none longer than `columns` unless a word is.
+inline std::vector<std::string> wrap(const std::string& text, std::size_t columns) {
+  std::vector<std::string> parts{""};
+  std::size_t from = 0;
+  while (from < text.size()) {
+    const std::size_t to = std::min(text.find(' ', from), text.size());
+    const std::string word = text.substr(from, to - from);
+    if (!parts.back().empty() && parts.back().size() + 1 + word.size() > columns) {
+      parts.emplace_back();
+    }
+    parts.back() += (parts.back().empty() ? "" : " ") + word;
+    from = to + 1;
+  }
+  return parts;
+}
+
+}  // namespace gyrotwin
