@@ -20,7 +20,7 @@ inline constexpr std::array<Program, 4> kDaemons{{
     {"mirror", "the twin: follows a live rig, says what disagrees and what happens next"},
 }};
 
-inline constexpr std::array<Program, 12> kClients{{
+inline constexpr std::array<Program, 13> kClients{{
     {"ctl", "arm, disarm, pause, step, reset ...; status; wait until it balances"},
     {"disturb", "push it, break parts of it, play a scenario, see it recover"},
     {"top", "how the rig is, live: state, margins, rates, losses, who is alive"},
@@ -32,6 +32,7 @@ inline constexpr std::array<Program, 12> kClients{{
     {"sweep", "many rigs, starts and disturbances at once: which ones stand"},
     {"simulate", "the same rig offline, faster than real time, into a CSV"},
     {"rig_emulator", "a rig for those who have none: a plant and its firmware, on a line"},
+    {"netcheck", "whether the network between hosts is good enough for a rig, and what to fix"},
     {"key", "make or show the key that signs the rig's messages"},
 }};
 

@@ -1,0 +1,79 @@
+// The other end: answers the rig's authentic probes, and nothing else. No socket and no clock.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "clients/netcheck/arrivals.hpp"
+#include "services/runtime/clock.hpp"
+#include "services/runtime/probe_socket.hpp"
+
+namespace gyrotwin {
+
+/// So many in a second, so many at once.
+class RateLimit {
+ public:
+  RateLimit(double per_second, double burst)
+      : per_second_(per_second), burst_(burst), left_(burst) {}
+  /// @param now_ns never goes back
+  bool allows(std::int64_t now_ns) noexcept;
+
+ private:
+  double per_second_, burst_, left_;
+  std::int64_t last_ns_ = 0;
+};
+
+/// Remembers the 16 sessions heard last.
+class Answerer {
+ public:
+  /// Twice the highest rate that is ever asked for.
+  static constexpr double kMostPerSecond = 20'000.0;
+  static constexpr double kMostAtOnce = 2'000.0;
+
+  /// @param id random, one run
+  Answerer(std::int64_t id, const HostFacts& facts) : id_(id), facts_(facts) {}
+
+  /// What to send in answer. An Answer's `sent_ns` is the sender's to fill.
+  /// @param now_ns monotonic
+  std::optional<Probe> answer(const Arrival& arrival, const ProbeCounters& counters,
+                              std::int64_t now_ns);
+
+ private:
+  struct Session {
+    std::int64_t id = 0;
+    Arrivals pings;
+    std::int64_t answered = 0, over_rate = 0;
+    std::int64_t dropped_before = 0;  // of the socket's datagrams, when the session began
+    int ttl_min = -1, ttl_max = -1, interface = 0;
+  };
+
+  std::optional<Probe> report(const Question& question, const Arrival& arrival,
+                              const ProbeCounters& counters);
+  std::optional<Probe> answer_to(const Ping& ping, const Arrival& arrival,
+                                 const ProbeCounters& counters, std::int64_t now_ns);
+  Session& session(std::int64_t id, const Arrival& arrival, const ProbeCounters& counters);
+
+  std::int64_t id_;
+  HostFacts facts_;
+  RateLimit limit_{kMostPerSecond, kMostAtOnce};
+  std::vector<std::unique_ptr<Session>> sessions_;  // the last heard first
+};
+
+/// Answers until `stopping()` says so; looks every 50 ms.
+template <class Stopping>
+void serve(ProbeSocket& socket, Answerer& answerer, const Clock& clock, Stopping&& stopping) {
+  constexpr std::int64_t kLookNs = 50'000'000;
+  while (!stopping()) {
+    socket.wait(kLookNs);
+    while (const auto arrival = socket.receive()) {
+      auto reply = answerer.answer(*arrival, socket.counters(), clock.now_ns());
+      if (!reply) continue;
+      if (auto* answer = std::get_if<Answer>(&*reply)) answer->sent_ns = wall_ns();
+      socket.send(*reply);
+    }
+  }
+}
+
+}  // namespace gyrotwin
