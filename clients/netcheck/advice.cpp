@@ -132,25 +132,26 @@ void way_advice(const Way& way, const HostFacts& from, const HostFacts& to,
 void slow_advice(const CheckedLine& line, const HostFacts& here, std::vector<Advice>& list) {
   const Figures& f = line.figures;
   if (line.verdict.rig.limit != Limit::kSlow && line.verdict.rig.limit != Limit::kStale) return;
-  const std::int64_t most = std::max({f.wake_here.p999, f.wake_there.p999, f.network.p999});
-  const auto wakes_late = [&](const HostFacts& facts, std::int64_t p999) {
+  // Too many came late, or one came much too late.
+  const auto time = line.verdict.rig.limit == Limit::kSlow ? &Spread::p999 : &Spread::max;
+  const std::int64_t most = std::max({f.wake_here.*time, f.wake_there.*time, f.network.*time});
+  const auto wakes_late = [&](const HostFacts& facts, std::int64_t late) {
     HostAdvice host(facts, list);
     if (facts.priority_error != 0) return;  // said already
-    host.add(fmt::format("wakes up {} late (p99.9) in spite of its priority: power saving, a "
+    host.add(fmt::format("wakes up {} late in spite of its priority: power saving, a "
                          "virtual machine, a driver that blocks. See how late without a network:",
-                         time_text_ns(p999)),
+                         time_text_ns(late)),
              {"sudo cyclictest -m -p 77 -i 1000 -D 60"});
   };
-  if (f.missed > 0 || f.wake_here.p999 == most) {
-    wakes_late(here, f.wake_here.p999);
-  } else if (f.wake_there.p999 == most) {
-    wakes_late(line.peer.facts, f.wake_there.p999);
+  if (f.wake_here.*time == most) {
+    wakes_late(here, most);
+  } else if (f.wake_there.*time == most) {
+    wakes_late(line.peer.facts, most);
   } else {
     list.push_back(
-        {fmt::format("{} to {} and back takes {} (p99.9): adapters that gather packets before they "
+        {fmt::format("{} to {} and back takes {}: adapters that gather packets before they "
                      "interrupt, a slow or busy switch.",
-                     get_text(here.host), get_text(line.peer.facts.host),
-                     time_text_ns(f.network.p999)),
+                     get_text(here.host), get_text(line.peer.facts.host), time_text_ns(most)),
          {fmt::format("sudo ethtool -C {} rx-usecs 0", get_text(here.interface))}});
   }
 }
@@ -225,6 +226,24 @@ void silence_advice(const Netcheck& check, std::vector<Advice>& list) {
        {}});
 }
 
+/// Hosts of one name are called by their addresses.
+Netcheck told_apart(Netcheck check) {
+  const std::string here = get_text(check.here.host);
+  const auto same = [&](const std::string& name) {
+    return (here == name) + std::ranges::count_if(check.lines, [&](const CheckedLine& l) {
+             return get_text(l.peer.facts.host) == name;
+           });
+  };
+  std::vector<bool> renamed;
+  for (const CheckedLine& l : check.lines) renamed.push_back(same(get_text(l.peer.facts.host)) > 1);
+  if (same(here) > 1) set_text(check.here.host, "{}", check.address);
+  for (std::size_t i = 0; i < renamed.size(); ++i) {
+    Peer& peer = check.lines[i].peer;
+    if (renamed[i]) set_text(peer.facts.host, "{}", peer.address);
+  }
+  return check;
+}
+
 }  // namespace
 
 bool Netcheck::good() const {
@@ -232,9 +251,10 @@ bool Netcheck::good() const {
          std::ranges::all_of(lines, [](const CheckedLine& l) { return l.verdict.rig.good(); });
 }
 
-std::vector<Advice> advice(const Netcheck& check) {
+std::vector<Advice> advice(const Netcheck& given) {
+  if (!given.broken.empty()) return {{given.broken, {}}};
+  const Netcheck check = given.alone ? given : told_apart(given);
   std::vector<Advice> list;
-  if (!check.broken.empty()) return {{check.broken, {}}};
   if (check.lines.empty()) silence_advice(check, list);
   for (const CheckedLine& line : check.lines) line_advice(check, line, list);
 

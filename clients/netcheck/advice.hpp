@@ -48,7 +48,7 @@ struct Advice {
   bool operator==(const Advice&) const = default;
 };
 
-/// The worst first.
+/// Of the lines first, then of each host.
 std::vector<Advice> advice(const Netcheck& check);
 
 }  // namespace gyrotwin

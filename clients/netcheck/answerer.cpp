@@ -28,7 +28,7 @@ std::optional<Probe> Answerer::answer(const Arrival& arrival, const ProbeCounter
   }
   if (const auto* question = std::get_if<Question>(&arrival.probe)) {
     if (question->target != id_ && question->target != Question::kEverybody) return {};
-    if (!limit_.allows(now_ns)) return {};
+    if (!reports_.allows(now_ns)) return {};
     return report(*question, arrival, counters);
   }
   return {};
@@ -38,7 +38,7 @@ std::optional<Probe> Answerer::answer_to(const Ping& ping, const Arrival& arriva
                                          const ProbeCounters& counters, std::int64_t now_ns) {
   Session& s = session(ping.session, arrival, counters);
   if (!s.pings.hear(ping.sequence)) return {};
-  if (!limit_.allows(now_ns)) {
+  if (!answers_.allows(now_ns)) {
     ++s.over_rate;
     return {};
   }

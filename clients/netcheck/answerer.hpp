@@ -31,6 +31,9 @@ class Answerer {
   /// Twice the highest rate that is ever asked for.
   static constexpr double kMostPerSecond = 20'000.0;
   static constexpr double kMostAtOnce = 2'000.0;
+  /// Questions are answered by every listener there is, so that fewer will do: ten askers' worth.
+  static constexpr double kMostReportsPerSecond = 200.0;
+  static constexpr double kMostReportsAtOnce = 20.0;
 
   /// @param id random, one run
   Answerer(std::int64_t id, const HostFacts& facts) : id_(id), facts_(facts) {}
@@ -57,7 +60,8 @@ class Answerer {
 
   std::int64_t id_;
   HostFacts facts_;
-  RateLimit limit_{kMostPerSecond, kMostAtOnce};
+  RateLimit answers_{kMostPerSecond, kMostAtOnce};
+  RateLimit reports_{kMostReportsPerSecond, kMostReportsAtOnce};
   std::vector<std::unique_ptr<Session>> sessions_;  // the last heard first
 };
 

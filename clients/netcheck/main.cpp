@@ -1,5 +1,6 @@
 // gyrotwin-netcheck: whether the network between hosts is good enough for a rig, and what to fix.
 #include <sched.h>
+#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,8 +40,14 @@ struct Options {
 };
 
 int probe_port(const Rig& rig, const Options& options) {
-  if (options.port != 0) return options.port;
   const int port = rig.network.port;
+  if (options.port == port) {
+    throw Error(
+        fmt::format("--port {} is network.port: a running rig would hear the pings; give "
+                    "another one, on all hosts",
+                    port));
+  }
+  if (options.port != 0) return options.port;
   return port + kPortsAway <= 65'535 ? port + kPortsAway : port - kPortsAway;
 }
 
@@ -109,6 +116,7 @@ bool measure_lines(Netcheck& check, ProbeSocket& socket, const BusConfig& config
   const double rate = options.rate_hz > 0.0 ? options.rate_hz : check.rig.loop.rate_hz;
   const auto ticks = std::max<std::int64_t>(1, std::llround(rate * options.duration_s));
   const std::vector<Peer> peers = other ? std::vector{other->peer} : find_peers(line);
+  if (daemon.stopping()) return false;
   std::vector<Measurement> measured;
   for (const Peer& peer : peers) {
     if (!options.json) {

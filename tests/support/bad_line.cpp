@@ -168,6 +168,7 @@ void BadLine::hand_over(int from, std::vector<std::uint8_t> bytes) {
   Way& way = ways_[static_cast<std::size_t>(from)];
   const std::int64_t due = now_ns() + delay_ns_;
   if (!counts(from, bytes)) {
+    ++way.counts.others;
     way.under_way.push_back({due, std::move(bytes)});
     return;
   }

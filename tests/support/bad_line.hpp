@@ -27,6 +27,7 @@ struct LineFaults {
 /// What it has done.
 struct LineCounts {
   std::int64_t came = 0, lost = 0, doubled = 0, held = 0;
+  std::int64_t others = 0;  ///< datagrams of another size, which have passed
 };
 
 /// Needs root in a network namespace of its own, as tests/support/in_namespace gives it. The far

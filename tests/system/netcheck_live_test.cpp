@@ -186,6 +186,9 @@ TEST_F(NetcheckTest, AnotherKeyIsNotAnsweredAndBothSidesSayWhy) {
   EXPECT_TRUE(json["lines"].empty());
   EXPECT_TRUE(advises(json, "another key"));
   EXPECT_EQ(code, 1);
+  const auto [out, back] = line.stop();
+  EXPECT_GT(out.others, 0) << "it has asked";
+  EXPECT_EQ(back.came + back.others, 0) << "and was not answered";
   listener->signal(SIGINT);
   EXPECT_EQ(listener->wait(), 0);
   EXPECT_NE(listener->output().find("asks with another key"), std::string::npos);
@@ -198,6 +201,21 @@ TEST_F(NetcheckTest, SaysThatTheInterfaceIsDown) {
   const Json json = check({"--duration", "0.2"});
   EXPECT_NE(json["broken"].get<std::string>().find("`ip link set lab0 up`"), std::string::npos);
   EXPECT_EQ(code, 1);
+}
+
+TEST_F(NetcheckTest, MeasuresTheLineToEachListener) {
+  line.start({}, 0);
+  const auto first = start_listener(), second = start_listener();
+  const Json json = check({"--duration", "0.2"});
+  const auto [out, back] = line.stop();
+  ASSERT_EQ(json["lines"].size(), 2u) << json.dump(1);
+  std::int64_t answered = 0;
+  for (const Json& found : json["lines"]) {
+    EXPECT_EQ(found["out"]["lost"], 0);
+    answered += found["back"]["sent"].get<std::int64_t>();
+  }
+  EXPECT_EQ(answered, out.came) << "each ping is for one of them";
+  EXPECT_EQ(back.came, out.came);
 }
 
 TEST_F(NetcheckTest, MeasuresOneHostAlone) {
@@ -213,6 +231,7 @@ TEST_F(NetcheckTest, MeasuresOneHostAlone) {
 TEST_F(NetcheckTest, IsAskedWronglyWithTwo) {
   EXPECT_EQ(start(0, {"--rate", "20000"})->wait(), 2);
   EXPECT_EQ(start(0, {"listn"})->wait(), 2);
+  EXPECT_EQ(start(0, {"--port", "7671"})->wait(), 2) << "the rig's own";
 }
 
 }  // namespace

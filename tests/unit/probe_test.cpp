@@ -188,6 +188,16 @@ TEST(Answerer, HasAnUpperLimitOfItsRate) {
   EXPECT_EQ(std::get<Report>(*report).over_rate, kPings - answered);
 }
 
+TEST(Answerer, ReportsMoreRarely) {
+  Answerer answerer(9, {});
+  constexpr std::int64_t kQuestions = 10'000;  // within a second
+  std::int64_t answered = 0;
+  for (std::int64_t n = 0; n < kQuestions; ++n) {
+    answered += answerer.answer(came(Question{1, -1, n}), {}, kSecond / kQuestions * n).has_value();
+  }
+  EXPECT_NEAR(answered, Answerer::kMostReportsPerSecond + Answerer::kMostReportsAtOnce, 1);
+}
+
 /// The next probe, waited for up to ten seconds.
 std::optional<Arrival> hear_soon(ProbeSocket& socket) {
   for (int i = 0; i < 100; ++i) {
