@@ -132,27 +132,30 @@ void way_advice(const Way& way, const HostFacts& from, const HostFacts& to,
 void slow_advice(const CheckedLine& line, const HostFacts& here, std::vector<Advice>& list) {
   const Figures& f = line.figures;
   if (line.verdict.rig.limit != Limit::kSlow && line.verdict.rig.limit != Limit::kStale) return;
-  // Too many came late, or one came much too late.
-  const auto time = line.verdict.rig.limit == Limit::kSlow ? &Spread::p999 : &Spread::max;
-  const std::int64_t most = std::max({f.wake_here.*time, f.wake_there.*time, f.network.*time});
-  const auto wakes_late = [&](const HostFacts& facts, std::int64_t late) {
+  const auto worst = [](const Spread& s) {
+    return fmt::format("{} (p99.9 {})", time_text_ns(s.max), time_text_ns(s.p999));
+  };
+  const auto wakes_late = [&](const HostFacts& facts, const Spread& late) {
     HostAdvice host(facts, list);
     if (facts.priority_error != 0) return;  // said already
-    host.add(fmt::format("wakes up {} late in spite of its priority: power saving, a "
-                         "virtual machine, a driver that blocks. See how late without a network:",
-                         time_text_ns(late)),
+    host.add(fmt::format("wakes up as late as {} in spite of its priority: power saving, a virtual "
+                         "machine, a driver that blocks. See how late without a network:",
+                         worst(late)),
              {"sudo cyclictest -m -p 77 -i 1000 -D 60"});
   };
-  if (f.wake_here.*time == most) {
-    wakes_late(here, most);
-  } else if (f.wake_there.*time == most) {
-    wakes_late(line.peer.facts, most);
-  } else {
-    list.push_back(
-        {fmt::format("{} to {} and back takes {}: adapters that gather packets before they "
-                     "interrupt, a slow or busy switch.",
-                     get_text(here.host), get_text(line.peer.facts.host), time_text_ns(most)),
-         {fmt::format("sudo ethtool -C {} rx-usecs 0", get_text(here.interface))}});
+  switch (line.verdict.slowest) {
+    case Part::kNone:
+      return;
+    case Part::kWakeHere:
+      return wakes_late(here, f.wake_here);
+    case Part::kWakeThere:
+      return wakes_late(line.peer.facts, f.wake_there);
+    case Part::kNetwork:
+      list.push_back(
+          {fmt::format("{} to {} and back takes as long as {}: adapters that gather "
+                       "packets before they interrupt, a slow or busy switch.",
+                       get_text(here.host), get_text(line.peer.facts.host), worst(f.network)),
+           {fmt::format("sudo ethtool -C {} rx-usecs 0", get_text(here.interface))}});
   }
 }
 

@@ -53,6 +53,20 @@ Json fit_json(const Fit& fit, int timeout_ticks) {
   return json;
 }
 
+Json part_json(Part part) {
+  switch (part) {
+    case Part::kNone:
+      break;
+    case Part::kWakeHere:
+      return "wake_here";
+    case Part::kNetwork:
+      return "network";
+    case Part::kWakeThere:
+      return "wake_there";
+  }
+  return nullptr;
+}
+
 Json line_json(const Netcheck& check, const CheckedLine& line) {
   const Figures& f = line.figures;
   const int timeout = check.rig.safety.command_timeout_ticks;
@@ -78,6 +92,7 @@ Json line_json(const Netcheck& check, const CheckedLine& line) {
           {"clock_step_s", seconds(line.clock_step_ns)},
           {"good", line.verdict.rig.good()},
           {"good_for_hz", line.verdict.good_for_hz},
+          {"slowest", part_json(line.verdict.slowest)},
           {"rates", rates}};
 }
 

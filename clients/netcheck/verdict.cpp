@@ -57,6 +57,21 @@ std::int64_t longest_lost_run(const std::vector<Trip>& trips) {
   return longest;
 }
 
+Part slowest_part(const Measurement& measured, std::int64_t budget_ns) {
+  const auto sent = static_cast<std::int64_t>(measured.trips.size());
+  std::int64_t here = (measured.ticks - sent) * measured.period_ns, network = 0, there = 0;
+  for (const Trip& trip : measured.trips) {
+    if (!trip.answered() || trip.response() <= budget_ns) continue;
+    here += trip.lateness;
+    network += trip.network;
+    there += trip.turn;
+  }
+  const std::int64_t most = std::max({here, network, there});
+  if (most == 0) return Part::kNone;
+  if (most == here) return Part::kWakeHere;
+  return most == network ? Part::kNetwork : Part::kWakeThere;
+}
+
 }  // namespace
 
 const Fit* LineVerdict::limited() const {
@@ -96,6 +111,7 @@ Staleness staleness(const Measurement& measured) {
 LineVerdict line_verdict(const Measurement& measured, double rig_hz, int timeout_ticks) {
   const Evidence e = evidence(measured);
   LineVerdict verdict{.rig = fit(e, rig_hz, timeout_ticks)};
+  verdict.slowest = slowest_part(measured, verdict.rig.budget_ns);
   std::vector<double> rates(kRates.begin(), kRates.end());
   if (std::ranges::find(rates, rig_hz) == rates.end()) rates.push_back(rig_hz);
   std::ranges::sort(rates, std::greater());

@@ -38,11 +38,17 @@ struct Fit {
   bool good() const { return limit == Limit::kNone; }
 };
 
+/// Parts of the time from a tick to its answer.
+enum class Part : std::uint8_t { kNone, kWakeHere, kNetwork, kWakeThere };
+
 /// What a line is good for.
 struct LineVerdict {
   Fit rig{};                 ///< at the rig's own rate
   std::vector<Fit> rates{};  ///< kRates and the rig's, the highest first
   double good_for_hz = 0.0;  ///< the highest that is good; 0: none
+  /// Took most of the time of the ticks that had an answer, but not within the rig's budget, and of
+  /// those that were slept through.
+  Part slowest = Part::kNone;
   /// The lowest rate that is not good; none when all are.
   const Fit* limited() const;
 };

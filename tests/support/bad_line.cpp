@@ -92,6 +92,10 @@ BadLine::BadLine(int port, std::array<int, 2> size) : port_(port), size_(size) {
 
 BadLine::~BadLine() {
   stop();
+  // Now, not when the kernel gets round to it: the next line's ends have the same names.
+  for (const char* near : {"line0", "line1"}) {
+    (void)!std::system(("ip link delete " + std::string(near)).c_str());
+  }
   for (const pid_t host : hosts_) {
     if (host < 0) continue;
     ::kill(host, SIGKILL);

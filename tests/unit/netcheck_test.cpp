@@ -139,6 +139,18 @@ TEST(Verdict, LetsOneTickInAThousandMissTheBudget) {
   EXPECT_EQ(v.good_for_hz, 500.0);
 }
 
+TEST(Verdict, NamesThePartThatMakesTicksLate) {
+  Measurement m = steady();
+  EXPECT_EQ(line_verdict(m, 1000.0, 10).slowest, Part::kNone);
+  m.trips[5].turn = 600 * kUs;
+  m.trips[6].network = 650 * kUs;
+  EXPECT_EQ(line_verdict(m, 1000.0, 10).slowest, Part::kNetwork);
+  m.trips[7].turn = 600 * kUs;
+  EXPECT_EQ(line_verdict(m, 1000.0, 10).slowest, Part::kWakeThere);
+  m.ticks += 2;
+  EXPECT_EQ(line_verdict(m, 1000.0, 10).slowest, Part::kWakeHere);
+}
+
 TEST(Verdict, CountsTicksThatWereSleptThrough) {
   Measurement m = steady();
   m.ticks += 2;
