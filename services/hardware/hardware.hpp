@@ -63,6 +63,7 @@ class Hardware final : public Owner {
   struct Pending {
     request_t request;
     bool sent = false;
+    bool outrun = false;   // by a reset
     std::int64_t due = 0;  // wall time by which it is answered; 0: to be set
   };
 

@@ -58,7 +58,10 @@ bool Hardware::reset(const request_t& request, std::int64_t fresh_epoch, reply_t
   begin_run(fresh_epoch);
   estimator_.forget();  // where it lay says nothing of where it is propped
   rotors_asked_.reset();
-  pending_.fill(std::nullopt);
+  // What the device still owes an answer to ends with the run, and overdue() says so.
+  for (std::optional<Pending>& pending : pending_) {
+    if (pending) pending->sent = pending->outrun = true;
+  }
   reply.applied_tick = 0;
   set_text(reply.text, "HELD, drives off: prop the platform upright before arming");
   return true;
@@ -113,7 +116,7 @@ std::optional<request_t> Hardware::take_request() noexcept {
 
 bool Hardware::on_reply(const reply_t& answer, reply_t& reply) noexcept {
   for (std::optional<Pending>& pending : pending_) {
-    if (!pending || pending->request.writer != answer.request_writer ||
+    if (!pending || pending->outrun || pending->request.writer != answer.request_writer ||
         pending->request.counter != answer.request_counter) {
       continue;
     }
@@ -137,12 +140,14 @@ bool Hardware::overdue(std::int64_t now, reply_t& reply) noexcept {
   for (std::optional<Pending>& pending : pending_) {
     if (!pending) continue;
     if (pending->due == 0) pending->due = now + kAnswerIn;
-    if (now < pending->due) continue;
+    if (now < pending->due && !pending->outrun) continue;
     reply = {};
     reply.request_writer = pending->request.writer;
     reply.request_counter = pending->request.counter;
     reply.verb = pending->request.verb;
-    refuse(reply, "the device does not answer");
+    refuse(
+        reply, "{}",
+        pending->outrun ? "a reset came before the device's answer" : "the device does not answer");
     conclude(pending->request, reply);
     pending.reset();
     return true;

@@ -10,12 +10,20 @@ CommandGate::CommandGate(int timeout_ticks, int delay_ticks)
 
 void CommandGate::reset(std::int64_t owner_epoch) noexcept {
   epoch_ = owner_epoch;
-  writer_ = 0;
-  counter_ = 0;
+  leased_ = false;
+  served_ = {};
   heard_tick_ = 0;
   newest_for_tick_ = -1;
   waiting_count_ = 0;
   has_acting_ = false;
+}
+
+/// Where the writer is remembered, or else the place of the one served longest ago.
+CommandGate::Served* CommandGate::place_of(std::int64_t writer) noexcept {
+  const auto found = std::find_if(served_.begin(), served_.end(), [writer](const Served& s) {
+    return s.known && s.writer == writer;
+  });
+  return found == served_.end() ? &served_.back() : &*found;
 }
 
 bool CommandGate::offer(const command_t& command, std::int64_t tick) noexcept {
@@ -38,17 +46,20 @@ bool CommandGate::offer(const command_t& command, std::int64_t tick) noexcept {
     ++refusals_.expired;
     return false;
   }
-  if (writer_ != 0 && command.writer != writer_ && !lost(tick)) {
+  if (leased_ && command.writer != served_[0].writer && !lost(tick)) {
     ++refusals_.writer;
     return false;
   }
-  if (command.writer == writer_ && command.counter <= counter_) {
+  // Of every writer of the run: one that lost the lease could otherwise be played back.
+  Served* place = place_of(command.writer);
+  if (place->known && place->writer == command.writer && command.counter <= place->counter) {
     ++refusals_.counter;
     return false;
   }
 
-  writer_ = command.writer;
-  counter_ = command.counter;
+  leased_ = true;
+  std::move_backward(served_.data(), place, place + 1);
+  served_[0] = {true, command.writer, command.counter};
   heard_tick_ = tick;
   newest_for_tick_ = std::max(newest_for_tick_, command.for_tick);
   // A repeated answer takes the place of the first one: the commands of other ticks still have to

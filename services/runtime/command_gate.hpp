@@ -27,7 +27,7 @@ class CommandGate {
 
   /// Ends the lease: any writer may follow. For an owner whose time stands still, so that the lease
   /// cannot run out.
-  void release() noexcept { writer_ = 0; }
+  void release() noexcept { leased_ = false; }
 
   /// The command that acts in `tick`, null when there is none or it is no longer valid.
   const command_t* acting(std::int64_t tick) noexcept;
@@ -38,18 +38,28 @@ class CommandGate {
   /// No valid command for timeout_ticks.
   bool lost(std::int64_t tick) const noexcept { return tick - heard_tick_ >= timeout_; }
 
-  std::int64_t writer() const noexcept { return writer_; }
-  std::int64_t counter() const noexcept { return counter_; }
+  /// Who holds the lease; 0: nobody.
+  std::int64_t writer() const noexcept { return leased_ ? served_[0].writer : 0; }
+  /// Of the last command that was accepted in this run.
+  std::int64_t counter() const noexcept { return served_[0].counter; }
   const Refusals& refusals() const noexcept { return refusals_; }
 
   static constexpr int kMaxDelay = 8;
+  /// Writers of a run whose counters are remembered.
+  static constexpr std::size_t kMostWriters = 16;
 
  private:
+  struct Served {
+    bool known = false;
+    std::int64_t writer = 0, counter = 0;  // the last accepted
+  };
+  Served* place_of(std::int64_t writer) noexcept;
+
   std::int64_t timeout_;
   std::int64_t delay_;
   std::int64_t epoch_ = 0;
-  std::int64_t writer_ = 0;      // holds the lease; 0: nobody yet
-  std::int64_t counter_ = 0;     // its last accepted counter
+  bool leased_ = false;                        // to the writer that was served last
+  std::array<Served, kMostWriters> served_{};  // of this run, the last first
   std::int64_t heard_tick_ = 0;  // when a command was last accepted, by the owner's tick
   std::int64_t newest_for_tick_ = -1;
   std::array<command_t, kMaxDelay + 1> waiting_;  // accepted, not yet acting; oldest first

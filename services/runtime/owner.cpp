@@ -85,7 +85,9 @@ void Owner::conclude(const request_t& request, const reply_t& reply) noexcept {
     request_writer_ = request.writer;
     request_counter_ = request.counter;
   }
-  askers_.remember(reply);
+  // One that was left for later does not take the place of a newer one, which would be done twice.
+  const reply_t* last = askers_.last(request.writer);
+  if (last == nullptr || last->request_counter < request.counter) askers_.remember(reply);
 }
 
 bool Owner::change_mode(const request_t& request, const Surroundings& surroundings,
