@@ -23,6 +23,7 @@ constexpr std::string_view kAbout = "gyrotwin/log/about";
 constexpr std::string_view kType = "gyrotwin/log/type";
 constexpr std::string_view kRig = "gyrotwin/log/rig";
 
+constexpr std::size_t kMostTypes = 256;
 constexpr std::size_t kSumSize = 17;  // 16 hex digits and a newline
 
 std::string_view text_of(std::span<const std::uint8_t> data) {
@@ -144,8 +145,11 @@ bool Catalog::take(const LogEvent& event) {
 }
 
 bool Catalog::take_type(std::string_view text) {
-  const auto is_title_of = [text](const LcmType& type) { return text.starts_with(title(type)); };
+  const auto is_title_of = [text](const LcmType& type) {
+    return text.starts_with("// " + type.name) && text.starts_with(title(type));
+  };
   if (types_.find_if(is_title_of) != nullptr) return true;  // known as it is
+  if (sources_.size() >= kMostTypes) return false;          // all are read anew for each
   sources_.emplace_back(text);
   try {
     LcmTypes types(sources_);

@@ -217,7 +217,7 @@ void silence_advice(const Netcheck& check, std::vector<Advice>& list) {
         {check.counters.unauthentic > 0
              ? "somebody speaks with another key: compare it on all hosts."
              : "another key there: who lacks this one is not answered. Compare on all hosts:",
-         {"gyrotwin key show " + check.rig_words}});
+         {"gyrotwin key show-id " + check.rig_words}});
   }
   list.push_back({fmt::format("a firewall, here or there. UDP {} and {} must come in:",
                               network.port, check.port),

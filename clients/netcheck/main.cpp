@@ -173,10 +173,11 @@ int listen(const RigOptions& rig_options, const Options& options) {
   serve(socket, answerer, MonotonicClock(), [&] {
     if (!warned && socket.counters().unauthentic > 0) {
       warned = true;
-      daemon.log(LogLevel::kWarning,
-                 "somebody asks with another key and is not answered: compare `gyrotwin key show "
-                 "--rig {}` on both hosts",
-                 rig.name);
+      daemon.log(
+          LogLevel::kWarning,
+          "somebody asks with another key and is not answered: compare `gyrotwin key show-id "
+          "--rig {}` on both hosts",
+          rig.name);
     }
     return daemon.stopping();
   });

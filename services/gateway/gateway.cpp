@@ -220,7 +220,7 @@ void Gateway::watch_parameters(Client& client, const Json& json, bool watch) {
   for (const Json& name : names) {
     if (!watch) {
       client.watched.erase(name.get<std::string>());
-    } else if (client.watched.size() < Client::kMostEntries) {
+    } else if (parameters_.has(name.get<std::string>())) {
       client.watched.insert(name.get<std::string>());
     }
   }

@@ -175,6 +175,7 @@ const LcmType* LcmTypes::resolve(const std::string& name, int depth) {
     if (type->size > kLargest) return nullptr;
     type->fields.push_back(std::move(field));
   }
+  if (type->size == 0) return nullptr;  // a row of nothing could be endless
   type->fingerprint = std::rotl(type->fingerprint, 1);
   return types_.insert_or_assign(name, std::move(type)).first->second.get();
 }

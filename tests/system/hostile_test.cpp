@@ -114,5 +114,22 @@ TEST(Hostile, RandomBytesInValidEnvelopesChangeNothing) {
   EXPECT_EQ(lab.run("ctl", {"status"}), 0) << lab.said;
 }
 
+TEST(Hostile, KeyCheckTellsThatSomebodyHasAnotherKey) {
+  Lab lab("prototype_b");
+  lab.start_owner();
+  lab.await_mode(status_t::MODE_HELD);
+  EXPECT_EQ(lab.run("key", {"check", "--for", "3"}), 0) << lab.said;
+  EXPECT_NE(lab.said.find("all signed with this key"), std::string::npos) << lab.said;
+
+  std::filesystem::remove(key_path(lab.rig.name));
+  create_key(key_path(lab.rig.name));  // the owner goes on with the old one
+  EXPECT_EQ(lab.run("key", {"check", "--for", "3"}), 1) << lab.said;
+  EXPECT_NE(lab.said.find("somebody uses another one"), std::string::npos) << lab.said;
+
+  lab.owner.reset();
+  EXPECT_EQ(lab.run("key", {"check"}), 0) << lab.said;
+  EXPECT_NE(lab.said.find("nobody was heard"), std::string::npos) << lab.said;
+}
+
 }  // namespace
 }  // namespace gyrotwin

@@ -108,6 +108,27 @@ TEST(CommandGate, TheLeaseBelongsToTheFirstWriterUntilItExpires) {
   EXPECT_EQ(g.writer(), 6);
 }
 
+TEST(CommandGate, AWriterThatHasLostTheLeaseCannotBePlayedBack) {
+  CommandGate g = gate(10);
+  command_t recorded = command(0, 7, 9.0, 5);
+  recorded.valid_ticks = 1000;
+  ASSERT_TRUE(g.offer(recorded, 0));
+  ASSERT_TRUE(g.offer(command(10, 1, 1.0, 6), 10));
+  EXPECT_FALSE(g.offer(recorded, 20));
+  EXPECT_EQ(g.refusals().counter, 1);
+  g.release();
+  EXPECT_FALSE(g.offer(recorded, 20));
+  EXPECT_EQ(g.writer(), 0);
+  EXPECT_TRUE(g.offer(command(20, 8, 1.0, 5), 20));
+}
+
+TEST(CommandGate, EveryWriterTakesTheLeaseZeroToo) {
+  CommandGate g = gate(10);
+  ASSERT_TRUE(g.offer(command(0, 1, 1.0, 0), 0));
+  EXPECT_FALSE(g.offer(command(1, 1, 1.0, 6), 1));
+  EXPECT_EQ(g.refusals().writer, 1);
+}
+
 TEST(CommandGate, IsLostAfterExactlyItsTimeout) {
   CommandGate g = gate(7);
   ASSERT_TRUE(g.offer(command(20, 1), 20));

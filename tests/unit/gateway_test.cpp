@@ -212,6 +212,13 @@ TEST_F(GatewayTest, ParametersAreTheRigFile) {
             50u);
 }
 
+TEST_F(GatewayTest, NamesThatAreNoParametersAreNotKept) {
+  Client& watcher = joined(Role::kObserver);
+  gateway_.on_text(watcher, R"({"op":"subscribeParameterUpdates","parameterNames":["recording",")" +
+                                std::string(60'000, 'x') + R"("]})");
+  EXPECT_EQ(watcher.watched.size(), 1u);
+}
+
 TEST_F(GatewayTest, WatchersHearOfARecording) {
   Client& watcher = joined(Role::kObserver);
   Client& other = joined(Role::kOperator);

@@ -421,6 +421,35 @@ TEST(Hardware, ADeviceThatDoesNotAnswerIsARefusal) {
   EXPECT_EQ(reply.result, reply_t::REFUSED);
 }
 
+TEST(Hardware, WhatAResetOvertakesIsAnsweredAndNotDone) {
+  Device device;
+  device.arm();
+  device.ask(request_t::DISTURB);
+  const std::int64_t push = device.asked;
+  ASSERT_EQ(device.ask(request_t::RESET).result, reply_t::APPLIED);
+  EXPECT_FALSE(device.owner.take_request());
+  reply_t reply{};
+  ASSERT_TRUE(device.owner.overdue(77, reply));
+  EXPECT_EQ(reply.request_counter, push);
+  EXPECT_EQ(reply.result, reply_t::REFUSED);
+  EXPECT_NE(get_text(reply.text).find("reset"), std::string::npos);
+  EXPECT_FALSE(device.owner.overdue(77, reply));
+}
+
+TEST(Hardware, ALateAnswerDoesNotLetANewerRequestBeDoneTwice) {
+  Device device;
+  device.ask(request_t::CLEAR);
+  EXPECT_FALSE(device.answered);
+  ASSERT_EQ(device.ask(request_t::ARM).result, reply_t::APPLIED);
+  reply_t late{};
+  EXPECT_FALSE(device.owner.overdue(1, late));
+  ASSERT_TRUE(device.owner.overdue(1'000'000'000, late));
+  device.owner.notice(Event::kConflict, "");
+  --device.asked;  // the answer to ARM was lost: the same again, which would be refused now
+  EXPECT_EQ(device.ask(request_t::ARM).result, reply_t::APPLIED);
+  EXPECT_EQ(device.owner.mode(), Mode::kSafeStop);
+}
+
 TEST(Hardware, DoesNotAllocate) {
   Device device;
   device.arm();

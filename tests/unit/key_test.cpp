@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
 #include <set>
 #include <string>
 
+#include "clients/key/check.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -116,6 +118,65 @@ TEST_F(KeyTest, CreatesPrivateFilesThatLoad) {
 
 TEST_F(KeyTest, CreatingSaysWhyItCannot) {
   EXPECT_THROW(create_key(file("a file, no folder") / "rig.key"), Error);
+}
+
+/// What `key check` finds wrong, all in one.
+std::string wrongs(const std::vector<Finding>& findings) {
+  std::string all;
+  for (const Finding& finding : findings) all += finding.good ? "" : finding.text + '\n';
+  return all;
+}
+
+class KeyCheckTest : public KeyTest {
+ protected:
+  void SetUp() override {
+    KeyTest::SetUp();
+    setenv("GYROTWIN_KEYS", folder_.c_str(), 1);
+    rig_.name = "rig";
+    rig_.file = "rig.toml";
+  }
+  Rig rig_{};
+};
+
+TEST_F(KeyCheckTest, FindsNothingWrongWithANewKey) {
+  create_key(key_path("rig"));
+  const auto findings = examine_key(rig_);
+  EXPECT_EQ(wrongs(findings), "");
+  EXPECT_EQ(findings.size(), 3u);
+}
+
+TEST_F(KeyCheckTest, FindsWhatIsWrongAndSaysWhatToDo) {
+  EXPECT_TRUE(contains(wrongs(examine_key(rig_)), "`gyrotwin key new --rig rig`"));
+  file("no key\n");
+  EXPECT_TRUE(contains(wrongs(examine_key(rig_)), "expected 64 hex digits"));
+  file(kHex + "\n", 0640);
+  EXPECT_TRUE(contains(wrongs(examine_key(rig_)), "`chmod 600 "));
+  file(kHex + "\n");
+  EXPECT_EQ(wrongs(examine_key(rig_)), "");
+  for (const mode_t mode : {0770U, 0707U, 0777U}) {
+    chmod(folder_.c_str(), mode);
+    EXPECT_TRUE(contains(wrongs(examine_key(rig_)), "`chmod 700 " + folder_.string() + "`"));
+  }
+  chmod(folder_.c_str(), 0755);  // names may be seen
+  EXPECT_EQ(wrongs(examine_key(rig_)), "");
+  rig_.network.sign = false;
+  EXPECT_TRUE(contains(wrongs(examine_key(rig_)), "network.sign = false in rig.toml"));
+}
+
+TEST_F(KeyCheckTest, FindsAKeyOfAnotherUser) {
+  const fs::path path = file(kHex + "\n");
+  if (chown(path.c_str(), 65534, static_cast<gid_t>(-1)) != 0) GTEST_SKIP() << "not root";
+  EXPECT_TRUE(contains(wrongs(examine_key(rig_)), "belongs to another user"));
+}
+
+TEST(KeyJudge, TellsThisKeyAnotherKeyAndSilenceApart) {
+  EXPECT_TRUE(judge({.with_this_key = 7, .otherwise = 0, .seconds = 1.0}).good);
+  EXPECT_TRUE(judge({.with_this_key = 0, .otherwise = 0, .seconds = 1.0}).good);
+  for (const std::int64_t with_this_key : {0, 7}) {
+    const Finding other = judge({with_this_key, 1, 1.0});
+    EXPECT_FALSE(other.good);
+    EXPECT_TRUE(contains(other.text, "`gyrotwin key show-id`"));
+  }
 }
 
 TEST(RandomId, IsNonNegativeAndNeverTheSame) {

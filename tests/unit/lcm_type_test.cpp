@@ -125,6 +125,12 @@ TEST(LcmType, LeavesOutWhatHasNoOneSize) {
   }
 }
 
+TEST(LcmType, ARowOfNothingIsNoType) {
+  const LcmTypes types = types_of(
+      {"struct a_t { }", "struct b_t { a_t x[1048576][1048576]; }", "struct c_t { b_t b; }"});
+  for (const std::string_view name : {"a_t", "b_t", "c_t"}) EXPECT_EQ(types.find(name), nullptr);
+}
+
 TEST(LcmType, SaysWhereTheTextGoesWrong) {
   const auto refusal = [](const std::string& text) {
     try {

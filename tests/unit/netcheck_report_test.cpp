@@ -145,7 +145,7 @@ TEST(Advice, GuessesWhyNobodyAnswers) {
   EXPECT_TRUE(contains(advice_about(check, "nobody listens"),
                        "gyrotwin netcheck listen --rig prototype_b"));
   EXPECT_TRUE(contains(advice_about(check, "a firewall"), "port 7671,8671"));
-  EXPECT_TRUE(contains(advice_about(check, "another key"), "gyrotwin key show"));
+  EXPECT_TRUE(contains(advice_about(check, "another key"), "gyrotwin key show-id"));
   EXPECT_TRUE(advice_about(check, "network.ttl is 0").empty());
   check.rig.network.ttl = 0;
   EXPECT_FALSE(advice_about(check, "network.ttl is 0").empty());
