@@ -344,5 +344,23 @@ TEST_F(LogFolder, ASeriesByTimeBeginsAFileWithTheFirstEventThatIsLate) {
   EXPECT_EQ(contents_of(folder_ / "run.0002.lcm").size(), 2 * (kLogHeader + 1 + 8));
 }
 
+// All texts are read anew for each that is new: a log must not make that endless.
+TEST(LogCatalog, KnowsSoManyTypesAndNoMore) {
+  std::vector<std::string> sources;
+  for (int i = 0; i < 300; ++i) {
+    sources.push_back("struct t" + std::to_string(i) + "_t { int8_t x" + std::to_string(i) + "; }");
+  }
+  const LogBytes bytes = opening_events({}, sources, "", 0);
+  Catalog catalog([](const About&) { return std::nullopt; });
+  std::size_t taken = 0, refused = 0;
+  for (std::span<const std::uint8_t> rest(bytes); !rest.empty();) {
+    const LogEvent event = first_event(rest);
+    if (event.channel == "gyrotwin/log/type") (catalog.take(event) ? taken : refused) += 1;
+    rest = rest.subspan(size_in_log(event));
+  }
+  EXPECT_EQ(taken, 256 - lcm_sources().size());
+  EXPECT_EQ(refused, sources.size() - taken);
+}
+
 }  // namespace
 }  // namespace gyrotwin
