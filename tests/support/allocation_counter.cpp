@@ -7,7 +7,16 @@ namespace {
 thread_local std::int64_t allocations = 0;
 }
 
+// GCC's word for it, and clang's.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define GYROTWIN_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define GYROTWIN_SANITIZED
+#endif
+#endif
+
+#ifdef GYROTWIN_SANITIZED
 
 // GCC's headers do not declare it; its runtime has it.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(  // NOLINT(bugprone-reserved-identifier)
