@@ -139,7 +139,7 @@ void Hardware::judge() noexcept {
     enter(Event::kNotFinite, "the estimate is not finite: a sensor tells nonsense");
   } else if ((estimator_.valid() & state_t::VALID_TILT) &&
              machine_.tilt(state) > rig_.safety.fall_tilt_rad) {
-    enter(Event::kTiltLimit, "tilt beyond safety.fall_tilt_rad");
+    fall();
   }
 }
 

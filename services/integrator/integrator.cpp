@@ -113,7 +113,7 @@ void Integrator::advance() noexcept {
   truth_ = machine_.truth(plant_.state(), input_);
 
   if (machine_.tilt(plant_.state()) > rig_.safety.fall_tilt_rad) {
-    enter(Event::kTiltLimit, "tilt beyond safety.fall_tilt_rad");
+    fall();
   }
   look();
   if (estimator_) estimator_->step(sensors_);

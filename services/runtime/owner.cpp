@@ -39,6 +39,7 @@ void Owner::begin_run(std::int64_t epoch) noexcept {
   epoch_ = epoch;
   tick_ = 0;
   gate_.reset(epoch);
+  askers_.begin_run();
 }
 
 void Owner::enter(Event event, std::string_view why) noexcept {
@@ -47,6 +48,16 @@ void Owner::enter(Event event, std::string_view why) noexcept {
   entering(event, *to);
   mode_ = *to;
   set_text(why_, "{}", why);
+}
+
+void Owner::fall() noexcept {
+  std::uint8_t why[sizeof why_];
+  if (mode_ == Mode::kSafeStop && why_[0] != 0) {
+    set_text(why, "fell after the stop: {}", text_view(why_));
+  } else {
+    set_text(why, "tilt beyond safety.fall_tilt_rad");
+  }
+  enter(Event::kTiltLimit, text_view(why));
 }
 
 bool Owner::on_command(const command_t& command) noexcept {
@@ -71,7 +82,9 @@ bool Owner::on_request(const request_t& request, const Surroundings& surrounding
     refuse(reply, "meant for another run of this owner; ask again");
     return true;
   }
-  if (last != nullptr && request.counter < last->request_counter) {
+  const bool used = last != nullptr ? request.counter < last->request_counter
+                                    : askers_.used(request.writer, request.counter);
+  if (used) {
     refuse(reply, "the counter was used already; count on");
     return true;
   }

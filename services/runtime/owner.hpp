@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "messages/channels.hpp"
 #include "services/runtime/command_gate.hpp"
@@ -22,9 +23,12 @@ struct Surroundings {
   std::int64_t fresh_epoch = 0;    ///< random; taken by a reset
 };
 
-/// The last answer to each of those who have asked. The longest silent one is forgotten first.
+/// The last answer to each of those who have asked. The longest silent one is forgotten first, but
+/// not which counters it has used: a request that was recorded and comes again is not done again.
 class Askers {
  public:
+  Askers() { used_.reserve(kUsed); }
+
   /// The last answer to this writer, null when it has not asked before.
   const reply_t* last(std::int64_t writer) const noexcept {
     const auto asker = find(writer);
@@ -33,12 +37,35 @@ class Askers {
 
   void remember(const reply_t& answer) noexcept {
     auto place = answers_.begin() + (find(answer.request_writer) - answers_.begin());
-    if (place == answers_.end()) --place;
+    if (place == answers_.end()) forget(*--place);
     std::move_backward(answers_.begin(), place, place + 1);
     answers_.front() = answer;
   }
 
+  /// Whether an asker whose answer is forgotten has asked with this counter, or with a higher one.
+  bool used(std::int64_t writer, std::int64_t counter) const noexcept {
+    return std::ranges::any_of(
+        used_, [=](const Used& used) { return used.writer == writer && counter <= used.counter; });
+  }
+  /// A new run: requests for the one before name its epoch.
+  void begin_run() noexcept { used_.clear(); }
+
  private:
+  struct Used {
+    std::int64_t writer, counter;
+  };
+  static constexpr std::size_t kUsed = 65'536;  // 1 MB; all of them are looked through in 30 us
+
+  void forget(const reply_t& answer) noexcept {
+    if (answer.result == 0) return;
+    const Used used{answer.request_writer, answer.request_counter};
+    if (used_.size() < kUsed) {
+      used_.push_back(used);
+    } else {
+      used_[oldest_++ % kUsed] = used;
+    }
+  }
+
   std::array<reply_t, 64>::const_iterator find(std::int64_t writer) const noexcept {
     return std::find_if(answers_.begin(), answers_.end(), [writer](const reply_t& answer) {
       return answer.result != 0 && answer.request_writer == writer;
@@ -46,6 +73,8 @@ class Askers {
   }
 
   std::array<reply_t, 64> answers_{};
+  std::vector<Used> used_;  // never grows beyond what is reserved
+  std::size_t oldest_ = 0;  // once all places are taken
 };
 
 class Owner {
@@ -95,6 +124,8 @@ class Owner {
   /// The answer to a request that was left for later.
   void conclude(const request_t& request, const reply_t& reply) noexcept;
   void enter(Event event, std::string_view why) noexcept;
+  /// The tilt is beyond the rig's limit. What has stopped it before, if something has, stays told.
+  void fall() noexcept;
   /// HELD at tick 0 of a new run.
   void begin_run(std::int64_t epoch) noexcept;
   /// Only what every owner knows: mode, text, pace, commands and requests.

@@ -73,19 +73,19 @@ void OwnerDesk::hear_request(const Reception& reception, std::int64_t now) noexc
   if (!owner_.on_request(request, surroundings, answer_.emplace())) answer_.reset();
 }
 
-/// STATE or STATUS: own messages never come back.
+/// STATE or STATUS: own messages never come back. STATE comes first, and STATUS says whose it is.
 void OwnerDesk::hear_other_owner(const Reception& reception, std::int64_t now) noexcept {
-  other_owner_heard_ = now;
-  if (!is_owner_status(reception.channel)) {
-    owner_.notice(Event::kConflict, "another owner publishes this rig's STATE");
-    return;
+  if (!lately(other_owner_heard_, now)) {
+    set_text(conflict_, "conflict: another owner publishes this rig's STATE; stop one of the two");
   }
-  status_t other;
-  Bus::decode(reception, other);
-  std::uint8_t why[96];
-  set_text(why, "conflict: process {} on {:.24} owns this rig too", other.pid,
-           text_view(other.host));
-  owner_.notice(Event::kConflict, text_view(why));
+  other_owner_heard_ = now;
+  if (is_owner_status(reception.channel)) {
+    status_t other;
+    Bus::decode(reception, other);
+    set_text(conflict_, "conflict: process {} on {:.24} owns this rig too; stop one of the two",
+             other.pid, text_view(other.host));
+  }
+  owner_.notice(Event::kConflict, text_view(conflict_));
 }
 
 void OwnerDesk::answer() noexcept {
@@ -103,7 +103,9 @@ void OwnerDesk::answer(reply_t& reply) noexcept {
 
 void OwnerDesk::send_status(status_t& status, std::int64_t now) noexcept {
   fill_process(status, identity_, bus_.counters());
-  if (status.text[0] == 0 && !lately(controller_heard_, now)) {
+  if (lately(other_owner_heard_, now)) {
+    set_text(status.text, "{}", text_view(conflict_));
+  } else if (status.text[0] == 0 && !lately(controller_heard_, now)) {
     set_text(status.text, "no controller is heard");
   }
   bus_.send(status_channel_, status,

@@ -31,7 +31,7 @@ class OwnerDesk {
   /// An answer that was left for later.
   void answer(reply_t& reply) noexcept;
 
-  /// Adds process and bus counters, and says where no controller is heard.
+  /// Adds process and bus counters, and says where another owner is heard or no controller.
   void send_status(status_t& status, std::int64_t now) noexcept;
 
  private:
@@ -46,7 +46,8 @@ class OwnerDesk {
   Identity identity_;
   std::int64_t controller_heard_ = -1;  // wall time; -1: never
   std::int64_t other_owner_heard_ = -1;
-  std::optional<reply_t> answer_;  // due
+  std::uint8_t conflict_[96] = {};  // with whom
+  std::optional<reply_t> answer_;   // due
   std::int64_t status_sequence_ = 0;
   std::int64_t reply_sequence_ = 0;
 };

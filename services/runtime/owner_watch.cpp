@@ -12,11 +12,15 @@ constexpr std::int64_t kPatience = 500'000'000;  // [ns]
 }  // namespace
 
 void OwnerWatch::hear(const status_t& status, std::int64_t now) noexcept {
-  if (said_lost_ || status.header.epoch != last_.header.epoch || status.mode != last_.mode) {
+  const bool other_run = status.header.epoch != last_.header.epoch;
+  const status_t& before = other_run ? other_ : last_;
+  const bool known = status.header.epoch == before.header.epoch && status.mode == before.mode;
+  if (said_lost_ || !known) {
     daemon_.log(LogLevel::kInfo, "owner {} on {}: {} {}", status.pid, text_view(status.host),
                 mode_name(status.mode), text_view(status.text));
   }
   said_lost_ = false;
+  if (other_run) other_ = last_;
   last_ = status;
   heard_ = now;
 }

@@ -24,6 +24,7 @@ class OwnerWatch {
  private:
   Daemon& daemon_;
   status_t last_{};
+  status_t other_{};         // of the run heard before: two owners by turns are no news
   std::int64_t heard_ = -1;  // wall time; -1: never
   bool said_lost_ = true;    // nothing to say before an owner was there
 };

@@ -5,15 +5,10 @@
 #include <signal.h>
 
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "services/runtime/key.hpp"
-#include "services/runtime/rig_bus.hpp"
-#include "tests/support/process.hpp"
+#include "tests/support/programs.hpp"
 
 namespace gyrotwin::support {
 
@@ -21,39 +16,11 @@ namespace gyrotwin::support {
 enum class OwnerKind { kIntegrator, kHardware };
 
 /// One rig's processes and its bus. Runs in a network namespace of the test's own.
-class Lab {
+class Lab : public Programs {
  public:
-  explicit Lab(const std::string& rig_name, std::vector<std::string> overrides = {})
-      : name_(rig_name), overrides_(std::move(overrides)), folder_(make_folder()) {
-    ::setenv("GYROTWIN_KEYS", folder_.c_str(), 1);
-    rig = load_rig(name_, overrides_);
-    if (rig.network.sign) create_key(key_path(rig.name));
-    bus = std::make_unique<Bus>(bus_config(rig, header_t::OPERATOR));
-  }
-  ~Lab() {
-    owner.reset();
-    emulator.reset();
-    controller.reset();
-    std::filesystem::remove_all(folder_);
-  }
-
-  /// `gyrotwin-PROGRAM ARGUMENTS --rig ... --set ...` of the build under test.
-  std::unique_ptr<Process> start(const std::string& program,
-                                 const std::vector<std::string>& arguments = {}) {
-    std::vector<std::string> words{std::string(GYROTWIN_BIN) + "/gyrotwin-" + program};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    words.insert(words.end(), {"--rig", name_});
-    for (const std::string& key : overrides_) words.insert(words.end(), {"--set", key});
-    return std::make_unique<Process>(words, folder_ / (program + std::to_string(++started_)));
-  }
-
-  /// A client from start to end. @return its exit code; `said` has its output.
-  int run(const std::string& program, const std::vector<std::string>& arguments) {
-    const auto client = start(program, arguments);
-    const int code = client->wait();
-    said = client->output();
-    return code;
-  }
+  explicit Lab(const std::string& rig_name, Words overrides = {})
+      : Programs(rig_name, std::move(overrides)),
+        bus(std::make_unique<Bus>(bus_config(rig, header_t::OPERATOR))) {}
 
   /// A simulated plant, or hardware on a line to an emulated rig.
   void start_owner(OwnerKind kind = OwnerKind::kIntegrator) {
@@ -153,25 +120,11 @@ class Lab {
     return first_stopped - 1 - last_command;
   }
 
-  const std::filesystem::path& folder() const { return folder_; }
   /// Path of the line to the emulated rig.
-  std::string line() const { return (folder_ / "line").string(); }
+  std::string line() const { return (folder() / "line").string(); }
 
-  Rig rig;
   std::unique_ptr<Bus> bus;
-  std::unique_ptr<Process> owner, emulator, controller;
-  std::string said;
-
- private:
-  static std::filesystem::path make_folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "gyrotwin-XXXXXX").string();
-    return ::mkdtemp(pattern.data());
-  }
-
-  std::string name_;
-  std::vector<std::string> overrides_;
-  std::filesystem::path folder_;
-  int started_ = 0;
+  std::unique_ptr<Process> controller, emulator, owner;  // ended from the last to the first
 };
 
 }  // namespace gyrotwin::support

@@ -175,6 +175,33 @@ TEST(Integrator, ARecordedRequestDoesNothingWhenSentLater) {
   EXPECT_EQ(loop.integrator.mode(), Mode::kSafeStop);
 }
 
+// Whoever records a request can wait until its asker's answer is forgotten.
+TEST(Integrator, ARecordedRequestDoesNothingHoweverManyHaveAskedSince) {
+  ClosedLoop loop("prototype_b");
+  loop.arm();
+  request_t recorded = loop.last_request;
+  recorded.writer = 55;
+  recorded.verb = request_t::PAUSE;
+  reply_t reply;
+  loop.integrator.on_request(recorded, loop.surroundings, reply);
+  ASSERT_EQ(reply.result, reply_t::APPLIED);
+  ASSERT_EQ(loop.ask(request_t::RESUME).result, reply_t::APPLIED);
+  request_t other = recorded;
+  other.verb = request_t::CLEAR;
+  for (other.writer = 100; other.writer < 200; ++other.writer) {
+    loop.integrator.on_request(other, loop.surroundings, reply);
+    ASSERT_EQ(reply.result, reply_t::APPLIED);
+  }
+
+  loop.integrator.on_request(recorded, loop.surroundings, reply);
+  EXPECT_EQ(reply.result, reply_t::REFUSED);
+  EXPECT_EQ(loop.integrator.mode(), Mode::kRunning);
+  ++recorded.counter;  // the asker itself goes on
+  loop.integrator.on_request(recorded, loop.surroundings, reply);
+  EXPECT_EQ(reply.result, reply_t::APPLIED);
+  EXPECT_EQ(loop.integrator.mode(), Mode::kPaused);
+}
+
 TEST(Integrator, DisturbsInTheTicksItSays) {
   ClosedLoop loop("prototype_b");
   request_t push{};

@@ -48,6 +48,18 @@ TEST(CommandLost, EndsInASafeStopAfterTheTimeoutOnEveryPacedClock) {
   }
 }
 
+TEST(CommandLost, IsStillToldWhenItHasFallen) {
+  ClosedLoop loop("double_brennan");
+  loop.arm();
+  loop.run_ticks(100);
+  loop.controller_alive = false;
+  for (int i = 0; i < 20'000 && loop.integrator.mode() != Mode::kFallen; ++i) loop.run_ticks(1);
+  ASSERT_EQ(loop.integrator.mode(), Mode::kFallen);
+  EXPECT_EQ(get_text(status_of(loop.integrator).text),
+            "fell after the stop: no valid command in time; start the controller, then reset and "
+            "arm");
+}
+
 TEST(CommandLost, IsSurvivedWhenItIsShort) {
   for (const char* clock : {"realtime", "lockstep"}) {
     ClosedLoop loop("double_brennan", {std::string("loop.clock=") + clock});

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -35,6 +38,24 @@ TEST(OwnerWatch, NamesWhomToStart) {
               std::string("no owner is heard: start ") + program + " with the same rig file");
     EXPECT_EQ(watch.last().service, service);
   }
+}
+
+// Two owners of one rig are heard by turns, ten times a second each.
+TEST(OwnerWatch, WritesAboutTwoOwnersOnceEach) {
+  testing::internal::CaptureStderr();
+  {
+    Daemon daemon("owner_watch_test");
+    OwnerWatch watch(daemon);
+    for (int i = 0; i < 100; ++i) {
+      status_t status{};
+      status.header.epoch = 1 + i % 2;
+      status.pid = 1000 + i % 2;
+      status.mode = i < 50 ? +status_t::MODE_RUNNING : +status_t::MODE_SAFE_STOP;
+      watch.hear(status, i * kSecond / 20);
+    }
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 4) << log;  // two modes of each
 }
 
 }  // namespace
