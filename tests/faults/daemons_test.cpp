@@ -221,7 +221,8 @@ std::int64_t safe_stops(Hosts& hosts) {
 
 TEST_F(Hardware, DaemonsHostFrozen) {
   row("a real rig: its daemon's host frozen, and running again", "the device stops by itself",
-      "`ctl`: \"no owner of rig prototype_b is heard\"; then as above", kResetAndArm);
+      "`ctl`: \"no owner of rig prototype_b is heard\"; then \"no valid command in time\"",
+      kResetAndArm);
   const std::int64_t before = safe_stops(hosts());
   hosts().owner->signal(SIGSTOP);
   EXPECT_NO_FATAL_FAILURE(asks({"disarm"}, 1, "no owner of rig prototype_b is heard"));

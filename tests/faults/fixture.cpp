@@ -65,13 +65,17 @@ void Faults::bring_back() {
   const auto status = hosts().operator_ear.owner_status([](const status_t&) { return true; });
   ASSERT_TRUE(status) << hosts().owner->output();
   if (status->mode != status_t::MODE_RUNNING) {
-    if (status->mode != status_t::MODE_HELD) asks({"reset"}, 0, "");
-    asks({"wait", "ready", "--timeout", "30"}, 0, "");
-    if (!setup_.hardware) asks({"speed", kSpeed}, 0, "");
-    asks({"arm"}, 0, "");
+    if (status->mode != status_t::MODE_HELD) {
+      ASSERT_NO_FATAL_FAILURE(asks({"reset"}, 0));
+    }
+    ASSERT_NO_FATAL_FAILURE(asks({"wait", "ready", "--timeout", "30"}, 0));
+    if (!setup_.hardware) {
+      ASSERT_NO_FATAL_FAILURE(asks({"speed", kSpeed}, 0));
+    }
+    ASSERT_NO_FATAL_FAILURE(asks({"arm"}, 0));
   }
-  asks({"wait", "balanced", "--for", "0.2", "--timeout", "60"}, 0, "balanced");
-  ASSERT_FALSE(HasFailure()) << hosts().owner->output() << hosts().controller->output();
+  ASSERT_NO_FATAL_FAILURE(asks({"wait", "balanced", "--for", "0.2", "--timeout", "30"}, 0))
+      << hosts().owner->output() << hosts().controller->output();
 }
 
 void Faults::judge() {

@@ -56,7 +56,7 @@ class Faults : public testing::Test {
   /// The owner's last STATUS as heard beside it.
   status_t owner_status();
   /// The operator's client is answered as expected, and prints these words.
-  void asks(const Words& words, int code, const std::string& says);
+  void asks(const Words& words, int code, const std::string& says = "");
 
   /// The fault ended, it balances again, as an operator would have it.
   void bring_back();
@@ -83,10 +83,11 @@ class Simulated : public Faults {
                  "loop.patience_s=" + patience_s}}) {}
 };
 
-/// As shipped: before a safe stop for want of commands time stands still for up to 0.1 s.
+/// Before a safe stop for want of commands time stands still until 1 s after the last one. (The
+/// default 0.1 s is less than ten of these ticks.)
 class Patient : public Simulated {
  protected:
-  Patient() : Simulated("0.1") {}
+  Patient() : Simulated("1.0") {}
 };
 
 /// As hardware: no patience at all.

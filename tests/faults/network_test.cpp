@@ -97,7 +97,8 @@ TEST_F(Strict, ControllersCableOut) {
 
 TEST_F(Strict, PlantsCableOut) {
   row("the plant's cable out, and in again", "SAFE_STOP, then it falls",
-      "nothing is heard: `ctl` says \"no owner of rig double_brennan is heard\"; then as above",
+      "nothing is heard: `ctl` says \"no owner of rig double_brennan is heard\"; then \"no valid "
+      "command in time\"",
       kResetAndArm);
   hosts().wire.cut(Hosts::kPlant, true);
   const auto stopped = hosts().plant_ear.owner_status(
@@ -105,7 +106,7 @@ TEST_F(Strict, PlantsCableOut) {
   ASSERT_TRUE(stopped);
   ASSERT_NO_FATAL_FAILURE(asks({"disarm"}, 1, "no owner of rig double_brennan is heard"));
   hosts().wire.cut(Hosts::kPlant, false);
-  ASSERT_NO_FATAL_FAILURE(stops_safely(""));
+  ASSERT_NO_FATAL_FAILURE(stops_safely());
 }
 
 TEST_F(Strict, OperatorsCableOut) {
