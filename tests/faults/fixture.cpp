@@ -30,6 +30,7 @@ void Faults::SetUp() {
   ASSERT_NO_FATAL_FAILURE(bring_back());
   hosts().plant_ear.forget();
   hosts().operator_ear.forget();
+  ASSERT_NO_FATAL_FAILURE(some_ticks_pass(20));  // the last command before the fault is heard, too
 }
 
 void Faults::row(std::string fault, std::string does, std::string told, std::string back) {
@@ -41,8 +42,11 @@ void Faults::TearDown() {
     hosts_.reset();  // nothing of it is known
     return;
   }
-  const bool ran_on = row_.back == kNothing;
-  if (ran_on) {
+  if (row_.back != kStartResetAndArm) {
+    EXPECT_TRUE(hosts().owner->running()) << "died: " << hosts().owner->output();
+    EXPECT_TRUE(hosts().controller->running()) << "died: " << hosts().controller->output();
+  }
+  if (row_.back == kNothing) {
     EXPECT_EQ(owner_status().mode, status_t::MODE_RUNNING);
   }
   bring_back();
@@ -88,7 +92,8 @@ void Faults::judge() {
 }
 
 void Faults::some_ticks_pass(std::int64_t most) {
-  const auto ticks = 1 + static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most));
+  const std::int64_t half = most / 2;
+  const auto ticks = half + static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(half));
   std::int64_t begin = -1;
   ASSERT_TRUE(hosts().plant_ear.until([&](const Heard& heard) {
     if (heard.channel != Channel::kState) return false;

@@ -51,7 +51,7 @@ class Faults : public testing::Test {
   void keeps_balancing(std::int64_t ticks = 150);
   /// Waits for the safe stop and for an owner's STATUS that tells `why` to the operator.
   void stops_safely(const std::string& why = kLost);
-  /// Between 1 and `most` ticks pass: the seeded "some time".
+  /// Between half of `most` and all of it, in ticks of the owner: the seeded "some time".
   void some_ticks_pass(std::int64_t most = 60);
   /// The owner's last STATUS as heard beside it.
   status_t owner_status();

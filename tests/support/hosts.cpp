@@ -40,7 +40,7 @@ Host::Back::~Back() {
   if (::setns(home_.get(), CLONE_NEWNET) != 0) std::abort();  // all that follows would be wrong
 }
 
-Host::Host(const std::string& port, int number) {
+Host::Host(const std::string& port, int number) : port_(port) {
   {
     const Back back(present_namespace().get());
     if (::unshare(CLONE_NEWNET) != 0) throw std::runtime_error("unshare is not permitted");
@@ -50,6 +50,12 @@ Host::Host(const std::string& port, int number) {
             " && ip link set " + port + " up");
   shell("ip link set lo up && ip address add 10.77.0." + std::to_string(number) +
         "/24 dev eth0 && ip link set eth0 up");
+}
+
+/// The namespace goes when the last of its processes and sockets has; its cable now, so that
+/// another may be called so.
+Host::~Host() {
+  [[maybe_unused]] const int code = std::system(("ip link delete " + port_).c_str());
 }
 
 Words Host::launcher() const { return {"/usr/bin/nsenter", "--net=" + path_of(descriptor_), "--"}; }

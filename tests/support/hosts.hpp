@@ -17,6 +17,9 @@ class Host {
   /// @param port name of the other end
   /// @param number its address is 10.77.0.<number>
   Host(const std::string& port, int number);
+  ~Host();
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
 
   /// What this returns was made there: sockets stay in the namespace in which they were opened.
   template <class Make>
@@ -41,6 +44,7 @@ class Host {
    private:
     Descriptor home_;
   };
+  std::string port_;
   Descriptor descriptor_;
 };
 
