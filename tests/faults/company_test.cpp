@@ -64,7 +64,7 @@ TEST_F(Strict, TwoOwnersMeet) {
 }
 
 TEST_F(Strict, AnOwnerThatIsHeldMeetsOneThatRuns) {
-  row("an owner that is HELD meets one that is RUNNING", "SAFE_STOP; neither can be armed",
+  row("an owner that is HELD meets one that is RUNNING", "SAFE_STOP; the other stays HELD",
       "both: conflict: process ... on ... owns this rig too; stop one of the two",
       "ending one; `reset`, `arm`");
   hosts().wire.cut(Hosts::kOperators, true);

@@ -156,6 +156,11 @@ TEST_F(Patient, ARequestPlayedBackWhenItsAskerIsForgotten) {
   }
   ASSERT_NO_FATAL_FAILURE(keeps_balancing(50));
   EXPECT_EQ(owner_status().disturbances, 0);
+  const std::vector<Heard> heard = hosts().operator_ear.record();
+  EXPECT_TRUE(std::any_of(heard.begin(), heard.end(), [](const Heard& message) {
+    return message.channel == Channel::kReply &&
+           get_text(message.as<reply_t>().text).starts_with("the counter was used already");
+  }));
 }
 
 }  // namespace gyrotwin::faults
