@@ -86,6 +86,9 @@ class Progress {
   explicit Progress(Daemon& daemon) : daemon_(daemon) {}
 
   void tell(const LogSeries& series, const Losses& lost, double seconds) {
+    daemon_.show("{:.1f} MB in {} up to {}; lost: {}", 1e-6 * static_cast<double>(series.size()),
+                 series.files() == 1 ? "one file" : fmt::format("{} files", series.files()),
+                 series.file().path().string(), text_of(lost));
     if (terminal_) {
       std::fprintf(stderr, "\r\x1b[K%.0f s  %lld messages/s  %lld messages  %.1f MB  lost: %s",
                    seconds, static_cast<long long>(series.events() - events_),
@@ -164,7 +167,7 @@ int record(const Rig& rig, const std::string& rig_file, const RecordOptions& opt
   try {
     for (LogBytes events; spool.take(events, kTurn);) {
       series.append(events);
-      if (daemon.stopping()) listener.stop();
+      if (!daemon.next_round()) listener.stop();
       if (clock.now_ns() < next_tell) continue;
       next_tell += kSecond;
       syncer.sync(series.file().descriptor());

@@ -60,7 +60,7 @@ Runner::Runner(const Rig& rig, const EmulatorOptions& options, Terminal& termina
 
 void Runner::run() {
   pacer_.anchor(clock_.now_ns());
-  while (!daemon_.stopping() && !terminal_.lost()) {
+  while (daemon_.next_round() && !terminal_.lost()) {
     rest();
     if (emulator_.reads()) receive();
     const std::int64_t now = clock_.now_ns();

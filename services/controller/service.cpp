@@ -3,6 +3,7 @@
 #include "services/runtime/key.hpp"
 #include "services/runtime/mode.hpp"
 #include "services/runtime/rig_bus.hpp"
+#include "services/runtime/show_status.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -26,7 +27,7 @@ ControllerService::ControllerService(const Rig& rig, Bus& bus, Clock& clock, Dae
       on_(on) {}
 
 void ControllerService::run() noexcept {
-  while (!daemon_.stopping()) {
+  while (daemon_.next_round()) {
     const std::int64_t now = clock_.now_ns();
     listen(now);
     report(clock_.now_ns());
@@ -97,6 +98,7 @@ void ControllerService::report(std::int64_t now) noexcept {
   status.compute_p50_ns = compute_.p50();
   status.compute_p99_ns = compute_.p99();
   status.compute_max_ns = compute_.max();
+  show_status(daemon_, status);
   const header_t& owner = owner_.last().header;
   bus_.send(Channel::kControllerStatus, status,
             {epoch_, ++status_sequence_, owner.tick, owner.sim_time_ns});

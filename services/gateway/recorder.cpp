@@ -85,13 +85,20 @@ void Recorder::begin() {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  // What the service manager is told is told of the gateway.
+  std::vector<char*> environment;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    if (!std::string_view(*variable).starts_with("NOTIFY_SOCKET="))
+      environment.push_back(*variable);
+  }
+  environment.push_back(nullptr);
   const pid_t parent = getpid();
   child_ = fork();
   if (child_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGINT);
     if (getppid() != parent) _exit(1);
     close_range(STDERR_FILENO + 1, ~0u, 0);  // sockets are the gateway's alone
-    execv(arguments[0], arguments.data());
+    execve(arguments[0], arguments.data(), environment.data());
     _exit(127);
   }
   if (child_ < 0) {

@@ -15,6 +15,7 @@
 
 #include "services/runtime/key.hpp"
 #include "services/runtime/rig_bus.hpp"
+#include "services/runtime/show_status.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -82,7 +83,7 @@ class Loop {
     for (;;) {
       timer.expires_after(kPeriod);
       co_await timer.async_wait(use_awaitable);
-      if (daemon_.stopping()) break;
+      if (!daemon_.next_round()) break;
       gateway_.on_recording(recorder_.look());
       gateway_.on_timer(clock_.now_ns(), wall_ns());
       server_.flush();
@@ -110,6 +111,7 @@ class Loop {
       set_text(status.text, "no owner of the rig is heard");
     }
     fill_process(status, identity_, bus_.counters());
+    show_status(daemon_, status);
     bus_.send(Channel::kGatewayStatus, status, {epoch_, ++status_sequence_, 0, 0});
     // Nobody hears himself on the bus.
     std::array<std::uint8_t, kWireSize<status_t>> payload{};

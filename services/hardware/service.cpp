@@ -33,7 +33,7 @@ HardwareService::HardwareService(const Rig& rig, Line& line, Bus& bus, Clock& cl
       followed_epoch_(hardware_.epoch()) {}
 
 void HardwareService::run() noexcept {
-  while (!daemon_.stopping()) {
+  while (daemon_.next_round()) {
     const std::int64_t now = clock_.now_ns();
     listen(now);
     hear_device(now);

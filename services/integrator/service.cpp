@@ -40,7 +40,7 @@ IntegratorService::IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Dae
 
 void IntegratorService::run() noexcept {
   publish(clock_.now_ns());
-  while (!daemon_.stopping()) {
+  while (daemon_.next_round()) {
     const std::int64_t now = clock_.now_ns();
     listen(now);
     follow_pace(now);

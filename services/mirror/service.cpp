@@ -3,6 +3,7 @@
 #include "services/runtime/key.hpp"
 #include "services/runtime/mode.hpp"
 #include "services/runtime/rig_bus.hpp"
+#include "services/runtime/show_status.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -31,7 +32,7 @@ MirrorService::MirrorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& dae
       behind_(static_cast<std::int64_t>(1e9 * kBehind * rig.loop.tick_s())) {}
 
 void MirrorService::run() noexcept {
-  while (!daemon_.stopping()) {
+  while (daemon_.next_round()) {
     round();
     bus_.wait(status_due_ - clock_.now_ns());
   }
@@ -155,6 +156,7 @@ void MirrorService::report(std::int64_t now) noexcept {
   status.lateness_p99_ns = age_.p99();
   status.lateness_max_ns = age_.max();
   status.overruns = left_out_;
+  show_status(daemon_, status);
   bus_.send(
       Channel::kMirrorStatus, status,
       {epoch_, ++status_sequence_, owner_.last().header.tick, owner_.last().header.sim_time_ns});

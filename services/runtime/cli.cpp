@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "services/runtime/error.hpp"
+#include "services/runtime/journal.hpp"
 #include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {
@@ -15,7 +16,8 @@ namespace gyrotwin {
 namespace {
 
 void complain(const CLI::App& app, const std::string& what) {
-  std::fprintf(stderr, "%s: error: %s\n", app.get_name().c_str(), what.c_str());
+  const std::string head = stderr_is_journal() ? "<3>" : app.get_name() + ": error: ";
+  std::fprintf(stderr, "%s%s\n", head.c_str(), what.c_str());
 }
 
 /// Subcommands that may follow what was given, from the innermost outwards, or the options there.

@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <spdlog/logger.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -20,6 +21,8 @@
 #include <memory>
 #include <system_error>
 #include <utility>
+
+#include "services/runtime/journal.hpp"
 
 namespace gyrotwin {
 namespace {
@@ -47,9 +50,27 @@ sigset_t signal_set(std::initializer_list<int> signals) {
   return set;
 }
 
+/// A line's priority as the journal reads it: `<4>`.
+class PriorityFlag : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& line, const std::tm&,
+              spdlog::memory_buf_t& text) override {
+    const int priority = line.level >= spdlog::level::err    ? 3
+                         : line.level == spdlog::level::warn ? 4
+                                                             : 6;
+    fmt::format_to(std::back_inserter(text), "<{}>", priority);
+  }
+  std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<PriorityFlag>();
+  }
+};
+
 spdlog::logger make_logger(const std::string& name) {
   spdlog::logger logger(name, std::make_shared<spdlog::sinks::stderr_color_sink_st>());
-  logger.set_pattern("%Y-%m-%d %H:%M:%S.%e %n %^%l%$: %v");
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<PriorityFlag>('j');
+  formatter->set_pattern(stderr_is_journal() ? "%j%v" : "%Y-%m-%d %H:%M:%S.%e %n %^%l%$: %v");
+  logger.set_formatter(std::move(formatter));
   return logger;
 }
 
@@ -147,23 +168,33 @@ void Daemon::become_realtime(int priority) {
       priority, outcome(rights.priority_error), outcome(rights.memory_error), own_path());
 }
 
+void Daemon::Line::write(fmt::string_view format, fmt::format_args args) noexcept {
+  std::size_t wanted = 0;
+  try {
+    wanted = fmt::vformat_to_n(text.data(), kLogText, format, args).size;
+  } catch (...) {
+    wanted = format.size();
+    std::copy_n(format.data(), std::min(wanted, kLogText), text.data());
+  }
+  length = static_cast<std::uint8_t>(std::min(wanted, kLogText));
+  // Texts of peers may stand in it.
+  std::replace_if(
+      text.begin(), text.begin() + length, [](char c) { return (c >= 0 && c < ' ') || c == 127; },
+      '?');
+}
+
 void Daemon::queue(LogLevel level, fmt::string_view format, fmt::format_args args) noexcept {
   Line line;
   line.time = std::chrono::system_clock::now();
   line.level = level;
-  std::size_t length = 0;
-  try {
-    length = fmt::vformat_to_n(line.text.data(), kLogText, format, args).size;
-  } catch (...) {
-    length = format.size();
-    std::copy_n(format.data(), std::min(length, kLogText), line.text.data());
-  }
-  line.length = static_cast<std::uint8_t>(std::min(length, kLogText));
-  // Texts of peers may stand in it.
-  std::replace_if(
-      line.text.begin(), line.text.begin() + line.length,
-      [](char c) { return (c >= 0 && c < ' ') || c == 127; }, '?');
+  line.write(format, args);
   if (!lines_.push(line)) lost_lines_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void Daemon::queue_status(fmt::string_view format, fmt::format_args args) noexcept {
+  Line line{};
+  line.write(format, args);
+  statuses_.push(line);
 }
 
 void Daemon::housekeep(const std::stop_token& closing, const std::string& name) {
@@ -175,8 +206,18 @@ void Daemon::housekeep(const std::stop_token& closing, const std::string& name) 
   while (!closing.stop_requested()) {
     await_signal(logger);
     drain(logger, 0ms);
+    inform_manager();
   }
+  manager_.stopping();
   drain(logger, kLastPatience);
+}
+
+void Daemon::inform_manager() {
+  const auto now = std::chrono::steady_clock::now();
+  manager_.hear_rounds(rounds_.load(std::memory_order_relaxed), now);
+  Line status;
+  while (statuses_.pop(status)) manager_.show(status.view(), now);
+  if (stopping()) manager_.stopping();
 }
 
 void Daemon::await_signal(spdlog::logger& logger) {
@@ -195,7 +236,7 @@ void Daemon::await_signal(spdlog::logger& logger) {
 void Daemon::drain(spdlog::logger& logger, std::chrono::milliseconds patience) {
   Line line;
   while (stderr_takes_a_line(patience) && lines_.pop(line)) {
-    logger.log(line.time, {}, spdlog_level(line.level), {line.text.data(), line.length});
+    logger.log(line.time, {}, spdlog_level(line.level), line.view());
   }
   if (lost_lines_.load(std::memory_order_relaxed) > 0 && stderr_takes_a_line(patience)) {
     logger.warn("{} log lines lost: they came faster than they could be written",

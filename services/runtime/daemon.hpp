@@ -1,4 +1,4 @@
-// What surrounds a daemon's tick thread: rights, signals, log.
+// What surrounds a daemon's tick thread: rights, signals, log, service manager.
 #pragma once
 
 #include <spdlog/fmt/fmt.h>
@@ -11,8 +11,10 @@
 #include <cstdint>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <thread>
 
+#include "services/runtime/service_manager.hpp"
 #include "services/runtime/spsc_ring.hpp"
 
 namespace spdlog {
@@ -38,7 +40,7 @@ Rights take_realtime(int priority);
 
 /// Owns everything beside the tick thread of one daemon. To be made first in main(), on the thread
 /// that will tick: blocks SIGINT and SIGTERM for all threads, starts the housekeeping thread
-/// (normal priority) that waits for these signals and writes the log.
+/// (normal priority) that waits for these signals, writes the log and keeps systemd informed.
 class Daemon {
  public:
   static constexpr std::size_t kLogText = 240;   ///< characters of a line that are kept
@@ -58,7 +60,15 @@ class Daemon {
   /// The same without the warning.
   Rights ask_realtime(int priority);
 
-  /// A termination signal has come. Cheap; for every tick.
+  /// For the head of the tick thread's loop: notes that it has come round once more. The first
+  /// round means that the daemon is up; while none follows, systemd's watchdog is not fed.
+  /// @return whether the loop shall go on
+  bool next_round() noexcept {
+    rounds_.store(rounds_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    return !stopping();
+  }
+
+  /// A termination signal has come.
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
   /// As if a signal had come.
   void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
@@ -72,20 +82,35 @@ class Daemon {
     queue(level, format, fmt::make_format_args(args...));
   }
 
+  /// How the daemon is, for `systemctl status`; to be said again and again, since what finds no
+  /// room is dropped. As log() else; does nothing where no manager listens.
+  template <class... Args>
+  void show(fmt::format_string<const Args&...> format, const Args&... args) noexcept {
+    if (manager_.listens()) queue_status(format, fmt::make_format_args(args...));
+  }
+
  private:
   struct Line {
     std::chrono::system_clock::time_point time;
     LogLevel level;
     std::uint8_t length;
     std::array<char, kLogText> text;
+
+    void write(fmt::string_view format, fmt::format_args args) noexcept;
+    std::string_view view() const { return {text.data(), length}; }
   };
 
   void queue(LogLevel level, fmt::string_view format, fmt::format_args args) noexcept;
+  void queue_status(fmt::string_view format, fmt::format_args args) noexcept;
+  void inform_manager();
   void housekeep(const std::stop_token& closing, const std::string& name);
   void await_signal(spdlog::logger& logger);
   void drain(spdlog::logger& logger, std::chrono::milliseconds patience);
 
   std::atomic<bool> stop_{false};
+  std::atomic<std::uint64_t> rounds_{0};
+  ServiceManager manager_;  // the housekeeping thread's; its listens() is everybody's
+  SpscRing<Line, 4> statuses_;
   SpscRing<Line, kLogLines> lines_;
   std::atomic<std::int64_t> lost_lines_{0};
   std::atomic<pid_t> realtime_thread_{0};

@@ -2,6 +2,7 @@
 
 #include "services/runtime/error.hpp"
 #include "services/runtime/key.hpp"
+#include "services/runtime/show_status.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
@@ -108,6 +109,7 @@ void OwnerDesk::send_status(status_t& status, std::int64_t now) noexcept {
   } else if (status.text[0] == 0 && !lately(controller_heard_, now)) {
     set_text(status.text, "no controller is heard");
   }
+  show_status(daemon_, status);
   bus_.send(status_channel_, status,
             {owner_.epoch(), ++status_sequence_, owner_.tick(), owner_.sim_time_ns()});
 }

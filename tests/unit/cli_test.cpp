@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <stdexcept>
 
@@ -71,6 +73,19 @@ TEST(RunProgram, ErrorEndsWith2) {
   const Outcome outcome = run({}, [](const Rig&) -> int { throw Error("no such thing"); });
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err, "gyrotwin-trial: error: no such thing\n");
+}
+
+// The journal knows the program, and marks what is an error.
+TEST(RunProgram, ForTheJournalAnErrorHasItsPriority) {
+  const Outcome outcome = run({}, [](const Rig&) -> int {
+    struct stat journal {};
+    fstat(STDERR_FILENO, &journal);
+    setenv("JOURNAL_STREAM",
+           (std::to_string(journal.st_dev) + ':' + std::to_string(journal.st_ino)).c_str(), 1);
+    throw Error("no such thing");
+  });
+  unsetenv("JOURNAL_STREAM");
+  EXPECT_EQ(outcome.err, "<3>no such thing\n");
 }
 
 TEST(RunProgram, WhatGoesWrongWhileRunningEndsWith1) {

@@ -5,6 +5,7 @@
 #include <linux/capability.h>
 #include <sched.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -89,6 +90,35 @@ TEST(DaemonLog, LinesCarryTimeProgramAndLevel) {
   EXPECT_EQ(lines[2].substr(time), "prog error: over");
   EXPECT_EQ(lines[0][10], ' ');
   EXPECT_EQ(lines[0][19], '.');
+}
+
+// The journal adds time and program by itself.
+TEST(DaemonLog, ForTheJournalALineHasItsPriorityAlone) {
+  const File file(std::tmpfile(), &std::fclose);
+  struct stat journal {};
+  fstat(fileno(file.get()), &journal);
+  {
+    const Stderr redirected(fileno(file.get()));
+    const std::string stream =
+        std::to_string(journal.st_dev) + ':' + std::to_string(journal.st_ino);
+    setenv("JOURNAL_STREAM", stream.c_str(), 1);
+    Daemon daemon("prog");
+    daemon.log(LogLevel::kInfo, "RUNNING");
+    daemon.log(LogLevel::kWarning, "late");
+    daemon.log(LogLevel::kError, "over");
+  }
+  unsetenv("JOURNAL_STREAM");
+  EXPECT_EQ(lines_of(fileno(file.get())),
+            (std::vector<std::string>{"<6>RUNNING", "<4>late", "<3>over"}));
+}
+
+// Who has sent it elsewhere reads it there.
+TEST(DaemonLog, AnotherStreamThanTheJournalsHasTheWholeLine) {
+  setenv("JOURNAL_STREAM", "1:1", 1);
+  const auto lines = logged([](Daemon& daemon) { daemon.log(LogLevel::kInfo, "here"); });
+  unsetenv("JOURNAL_STREAM");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0].ends_with(" prog info: here")) << lines[0];
 }
 
 // As many as the ring holds, so that none may be lost; some are written at the end.
