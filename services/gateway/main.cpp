@@ -25,9 +25,10 @@ Endpoint endpoint_of(const Words& words, const Rig& rig) {
   return {.address = "127.0.0.1", .port = static_cast<std::uint16_t>(8764 + rig.id)};
 }
 
-/// Of a rig that is not signed: the gateway's alone, beside the keys.
+/// Of a rig that is not signed: the gateway's alone, in a service's own folder or beside the keys.
 Key own_key(const Rig& rig) {
-  const std::filesystem::path path = key_path(rig.name).replace_extension(".gateway");
+  std::filesystem::path path = key_path(rig.name).replace_extension(".gateway");
+  if (const char* state = std::getenv("STATE_DIRECTORY")) path = state / path.filename();
   if (!std::filesystem::exists(path)) create_key(path);
   return load_key(path);
 }

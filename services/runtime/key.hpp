@@ -17,7 +17,7 @@ using Key = std::array<std::uint8_t, 32>;
 /// @throws Error when none of these variables and no HOME is set
 std::filesystem::path key_path(std::string_view rig_name);
 
-/// Reads a key: 64 hex digits and a newline, in a file that group and others cannot read.
+/// Reads a key: 64 hex digits and a newline, in a file that nobody but its user can read.
 /// @throws Error naming the file, what is wrong with it and the fix
 Key load_key(const std::filesystem::path& path);
 

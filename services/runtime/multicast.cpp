@@ -167,7 +167,8 @@ void prove(const Descriptor& sender, sockaddr_in group, const ip_mreqn& interfac
 
   constexpr char probe = 0;
   const std::string fix =
-      "; look at `nft list ruleset` and `ip route`, or change network.interface in the rig file";
+      "; look at `nft list ruleset`, `ip route` and, in a service, IPAddressAllow=, or change "
+      "network.interface in the rig file";
   if (sendto(sender.get(), &probe, 1, 0, generic(group), sizeof group) != 1) {
     throw Error("network.interface takes no multicast datagram: " + reason() + fix);
   }

@@ -22,20 +22,47 @@ std::string shipped_list(const std::vector<std::string>& names) {
   return list;
 }
 
+/// The prefix of an installed program, which stands in its bin.
+fs::path prefix() {
+  std::error_code none;
+  return fs::read_symlink("/proc/self/exe", none).parent_path().parent_path();
+}
+
+fs::path installed_rigs() { return prefix() / "share/gyrotwin/rigs"; }
+
+/// Names of the rig files in a folder, in order.
+std::vector<std::string> rigs_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// A host's own rigs come before those that the program was installed with; where it runs from its
+/// source tree, or a folder is named, there are none.
+fs::path host_rigs() {
+  if (rig_folder() != installed_rigs()) return {};
+  return (prefix() == "/usr" ? "/etc" : prefix() / "etc") / fs::path("gyrotwin/rigs");
+}
+
 fs::path find_rig(const std::string& name_or_path) {
   if (name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".toml")) {
     return name_or_path;
   }
-  const std::vector<std::string> names = shipped_rigs();
-  if (std::find(names.begin(), names.end(), name_or_path) == names.end()) {
-    const std::vector<std::string_view> candidates(names.begin(), names.end());
-    throw Error("no shipped rig is called `" + name_or_path + "`: there are " +
-                shipped_list(names) +
-                " (a file of your own is given by its path, with a / or "
-                "ending in .toml)" +
-                did_you_mean(nearest(name_or_path, candidates)));
+  std::vector<std::string> names;
+  for (const fs::path& folder : {host_rigs(), rig_folder()}) {
+    for (const std::string& name : rigs_in(folder)) {
+      if (name == name_or_path) return folder / (name + ".toml");
+      names.push_back(name);
+    }
   }
-  return rig_folder() / (name_or_path + ".toml");
+  const std::vector<std::string_view> candidates(names.begin(), names.end());
+  throw Error("no shipped rig is called `" + name_or_path + "`: there are " + shipped_list(names) +
+              " (a file of your own is given by its path, with a / or ending in .toml)" +
+              did_you_mean(nearest(name_or_path, candidates)));
 }
 
 std::string read_text(const fs::path& file) {
@@ -104,8 +131,7 @@ std::filesystem::path rig_folder() {
                 "`, which is no folder; correct it, or unset it to use the shipped rigs");
   }
   std::error_code none;
-  const fs::path program = fs::read_symlink("/proc/self/exe", none);
-  const fs::path installed = program.parent_path().parent_path() / "share/gyrotwin/rigs";
+  const fs::path installed = installed_rigs();
   if (fs::is_directory(installed, none)) return installed;
   const fs::path in_source_tree = GYROTWIN_SOURCE_RIGS;
   if (fs::is_directory(in_source_tree, none)) return in_source_tree;
@@ -113,14 +139,7 @@ std::filesystem::path rig_folder() {
               in_source_tree.string() + "; set GYROTWIN_RIGS to the folder with the rig files");
 }
 
-std::vector<std::string> shipped_rigs() {
-  std::vector<std::string> names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(rig_folder())) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
+std::vector<std::string> shipped_rigs() { return rigs_in(rig_folder()); }
 
 std::string_view name_of(LawKind law) {
   const auto* word = std::find_if(kLawWords.begin(), kLawWords.end(),

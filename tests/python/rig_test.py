@@ -66,6 +66,10 @@ class RigTest(unittest.TestCase):
         with mock.patch("gyrotwin.rig.__file__", "/nowhere/gyrotwin/rig.py"):
             with mock.patch.dict(os.environ, {"PATH": str(program.parent)}):
                 self.assertEqual(gyrotwin.Rig("installed").name, "installed")
+                own = self.folder / "etc/gyrotwin/rigs"
+                own.mkdir(parents=True)
+                self.changed("double_brennan", "own").rename(own / "installed.toml")
+                self.assertEqual(gyrotwin.Rig("installed").name, "own")
             with mock.patch.dict(os.environ, {"PATH": "/nowhere"}):
                 with self.assertRaisesRegex(gyrotwin.Error, "set GYROTWIN_RIGS"):
                     gyrotwin.Rig("installed")

@@ -97,6 +97,18 @@ TEST_F(KeyTest, RefusesAFileThatOthersCanRead) {
   EXPECT_EQ(refusal(file(kHex + "\n", 0400)), "");
 }
 
+// There the group's bits may be the mask of an access list.
+TEST_F(KeyTest, ACredentialOfSystemdMayHaveAnAccessList) {
+  const fs::path path = file(kHex + "\n", 0440);
+  EXPECT_NE(refusal(path), "");
+  setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1);
+  EXPECT_EQ(refusal(path), "");
+  EXPECT_NE(refusal(file(kHex + "\n", 0444)), "");
+  setenv("CREDENTIALS_DIRECTORY", "/run/credentials/other", 1);
+  EXPECT_NE(refusal(file(kHex + "\n", 0440)), "");
+  unsetenv("CREDENTIALS_DIRECTORY");
+}
+
 TEST_F(KeyTest, AMissingKeyNamesTheCommandThatMakesIt) {
   EXPECT_TRUE(contains(refusal(folder_ / "tall.key"), "`gyrotwin key new --rig tall`"));
   EXPECT_NE(refusal(folder_), "");

@@ -98,6 +98,9 @@ def _find(name_or_path: str) -> Path:
     if "/" in name_or_path or name_or_path.endswith(".toml"):
         return Path(name_or_path)
     folder = rig_folder()
+    own = _host_rigs(folder) / f"{name_or_path}.toml"
+    if own.is_file():
+        return own
     file = folder / f"{name_or_path}.toml"
     if not file.is_file():
         names = ", ".join(sorted(rig.stem for rig in folder.glob("*.toml")))
@@ -106,6 +109,14 @@ def _find(name_or_path: str) -> Path:
             "given by its path, with a / or ending in .toml)"
         )
     return file
+
+
+def _host_rigs(folder: Path) -> Path:
+    """Where a host has its own rigs, which come before those of an installation in `folder`."""
+    if os.environ.get("GYROTWIN_RIGS") or folder.parts[-3:] != ("share", "gyrotwin", "rigs"):
+        return Path(os.devnull)
+    prefix = folder.parents[2]
+    return (Path("/etc") if prefix == Path("/usr") else prefix / "etc") / "gyrotwin/rigs"
 
 
 def rig_folder() -> Path:
