@@ -37,6 +37,14 @@ int main(int argc, char** argv) {
     std::puts("gyrotwin " GYROTWIN_VERSION);
     return 0;
   }
+  if (verb == "--print-manual") {
+    std::fputs(gyrotwin::front_manual(GYROTWIN_VERSION).c_str(), stdout);
+    return 0;
+  }
+  if (verb == "--print-words") {
+    std::fputs(gyrotwin::front_words().c_str(), stdout);
+    return 0;
+  }
   // A verb is a name; a path would run what is no part of this.
   if (verb.find('/') == std::string::npos) {
     become(verb, argv + 1);

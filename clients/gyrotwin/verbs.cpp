@@ -3,18 +3,43 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <memory>
 
+#include "services/runtime/manual.hpp"
 #include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
+constexpr std::string_view kExample =
+    "  gyrotwin key new\n"
+    "  gyrotwin integrator &\n"
+    "  gyrotwin controller &\n"
+    "  gyrotwin ctl wait ready && gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
+    "  gyrotwin disturb impulse\n";
+
 template <std::size_t N>
 std::string list(const std::array<Program, N>& programs) {
   std::string text;
   for (const Program& p : programs) text += fmt::format("  {:<14}{}\n", p.name, p.summary);
   return text;
+}
+
+/// The verbs as subcommands: to be described, not to be parsed.
+std::unique_ptr<CLI::App> described() {
+  auto app = std::make_unique<CLI::App>(
+      "A gyroscopic platform, its physics and its controller, over the network. Runs the program "
+      "gyrotwin-COMMAND; `gyrotwin COMMAND --help` and `man gyrotwin-COMMAND` tell more of one.",
+      "gyrotwin");
+  app->set_version_flag("--version", "");
+  app->footer("Example:\n" + std::string(kExample));
+  const auto add = [&app](const Program& p) {
+    app->add_subcommand(std::string(p.name), std::string(p.summary));
+  };
+  std::ranges::for_each(kDaemons, add);
+  std::ranges::for_each(kClients, add);
+  return app;
 }
 
 }  // namespace
@@ -32,13 +57,13 @@ std::string front_page() {
          "\n"
          "All take --rig NAME|FILE; without it $GYROTWIN_RIG, or else prototype_b.\n"
          "\n"
-         "Example:\n"
-         "  gyrotwin key new\n"
-         "  gyrotwin integrator &\n"
-         "  gyrotwin controller &\n"
-         "  gyrotwin ctl wait ready && gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
-         "  gyrotwin disturb impulse\n";
+         "Example:\n" +
+         std::string(kExample);
 }
+
+std::string front_manual(std::string_view version) { return manual(*described(), version); }
+
+std::string front_words() { return completion_words(*described()); }
 
 std::string unknown_verb(std::string_view verb) {
   std::array<std::string_view, kDaemons.size() + kClients.size()> names;

@@ -13,11 +13,12 @@ struct Program {
   std::string_view summary;
 };
 
-inline constexpr std::array<Program, 4> kDaemons{{
+inline constexpr std::array<Program, 5> kDaemons{{
     {"integrator", "owns a simulated platform: physics, modes, limits"},
     {"hardware", "owns a real one, over a serial line: the same channels, modes and limits"},
     {"controller", "keeps it up: hears STATE, answers with COMMAND"},
     {"mirror", "the twin: follows a live rig, says what disagrees and what happens next"},
+    {"gateway", "shows a rig in a browser; speaks with Foxglove, PlotJuggler, Prometheus"},
 }};
 
 inline constexpr std::array<Program, 13> kClients{{
@@ -38,6 +39,10 @@ inline constexpr std::array<Program, 13> kClients{{
 
 /// What `gyrotwin --help` says.
 std::string front_page();
+
+/// The man page of `gyrotwin`, and what completes its first word (services/runtime/manual.hpp).
+std::string front_manual(std::string_view version);
+std::string front_words();
 
 /// Why there is no such verb, and what was probably meant.
 std::string unknown_verb(std::string_view verb);

@@ -9,6 +9,7 @@
 
 #include "services/runtime/error.hpp"
 #include "services/runtime/journal.hpp"
+#include "services/runtime/manual.hpp"
 #include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {
@@ -109,6 +110,15 @@ CLI::Validator one_of(std::vector<std::string> words) {
 
 int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>& body) {
   app.set_version_flag("--version", app.get_name() + " " GYROTWIN_VERSION);
+  // Not for users: from these the build makes man pages and completion.
+  if (argc == 2 && std::string_view(argv[1]) == "--print-manual") {
+    std::fputs(manual(app, GYROTWIN_VERSION).c_str(), stdout);
+    return kDone;
+  }
+  if (argc == 2 && std::string_view(argv[1]) == "--print-words") {
+    std::fputs(completion_words(app).c_str(), stdout);
+    return kDone;
+  }
   try {
     app.parse(argc, argv);
     return body();

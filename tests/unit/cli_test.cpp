@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "services/runtime/error.hpp"
+#include "services/runtime/manual.hpp"
 
 namespace gyrotwin {
 namespace {
@@ -204,6 +205,40 @@ TEST(RigOptions, CheckAnswersWithoutRunning) {
   const Outcome printed = run({"--print-config", "--set", "loop.rate_hz=500"}, never);
   EXPECT_EQ(printed.code, 0);
   EXPECT_NE(printed.out.find("\nrate_hz = 500.0\n"), std::string::npos) << printed.out;
+}
+
+TEST(Manual, HasEveryOptionSubcommandAndDefault) {
+  const std::string page = run({"--print-manual"}).out;
+  for (const char* part :
+       {".TH GYROTWIN\\-TRIAL 1 ", "gyrotwin\\-trial \\- a program to try options with\n",
+        "\\fBgyrotwin trial\\fR [\\fIOPTION\\fR]... \\fICOMMAND\\fR ...", ".SS Rig\n",
+        "\\fB\\-\\-rig\\fR \\fINAME|FILE\\fR\n",
+        "default: \\fB$GYROTWIN_RIG\\fR, else \\fBprototype_b\\fR.\n",
+        "\\fB\\-\\-speed\\fR \\fIFLOAT\\fR in 0.01 to 100\nSpeed.\n",
+        ".SS \"\\fBarm\\fR\"\nA verb.\n", ".SS \"\\fBfault sensor\\fR\"\n", "\\fB\\-\\-weak\\fR\n",
+        ".BR gyrotwin (1)\n"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part << "\nin\n" << page;
+  }
+}
+
+TEST(Manual, WhatTroffWouldTakeForItsOwnIsEscaped) {
+  CLI::App app("Knows `C:\\n` and 5\" - don't.", "gyrotwin-trial");
+  app.footer("Notes.\n.so /etc/passwd\nExamples:\n  gyrotwin trial --x");
+  const std::string page = manual(app, "1");
+  EXPECT_NE(page.find("Knows \\(gaC:\\en\\(ga and 5\\(dq \\- don\\(aqt."), std::string::npos)
+      << page;
+  EXPECT_NE(page.find("\n\\&.so /etc/passwd\n"), std::string::npos) << page;
+  EXPECT_NE(page.find(".SH EXAMPLES\n.nf\n  gyrotwin trial \\-\\-x\n.fi\n"), std::string::npos)
+      << page;
+}
+
+TEST(Words, OfEachContextOnALine) {
+  const std::string words = run({"--print-words"}).out;
+  const std::string rig = "--rig=NAME|FILE --set=KEY=VALUE --check-config --print-config";
+  EXPECT_EQ(words.find("gyrotwin-trial\tarm fault --help " + rig + " --speed=FLOAT "), 0U) << words;
+  // What falls through from a subcommand stands there too.
+  EXPECT_NE(words.find("\ngyrotwin-trial fault drive\t--weak --help " + rig), std::string::npos)
+      << words;
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "clients/gyrotwin/verbs.hpp"
 
 namespace gyrotwin {
@@ -16,6 +18,17 @@ TEST(FrontPage, ListsEveryVerbOnALineOfItsOwn) {
   };
   for (const Program& p : kDaemons) check(p);
   for (const Program& p : kClients) check(p);
+}
+
+TEST(FrontPage, ListsEveryProgram) {
+  std::istringstream programs(GYROTWIN_PROGRAMS);
+  for (std::string program; programs >> program;) {
+    if (program == "gyrotwin") continue;
+    const std::string verb = program.substr(std::string_view("gyrotwin-").size());
+    EXPECT_TRUE(contains(front_page(), "\n  " + verb + " ")) << program;
+    EXPECT_TRUE(contains(front_words(), verb)) << program;
+    EXPECT_TRUE(contains(front_manual("1"), ".BR gyrotwin\\-" + verb + " (1)")) << program;
+  }
 }
 
 TEST(UnknownVerb, SuggestsTheNearest) {
