@@ -1,8 +1,8 @@
 // Example: the main loop of a rig with one disc drive, four flywheels, an IMU and an encoder. The
 // board's own code calls example_on_byte() from the line's interrupt and example_on_timer() from
 // that of the sample timer.
-#include "services/hardware/firmware/example/board.h"
-#include "services/hardware/firmware/gyrotwin_device.h"
+#include "board.h"
+#include "gyrotwin_device.h"
 
 enum { kRigId = 1 };    // rig.id of the rig file
 enum { kRing = 1024 };  // a power of two; more than the host sends between two turns of the loop
