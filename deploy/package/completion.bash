@@ -12,14 +12,28 @@ _gyrotwin_rigs() {
   done
 }
 
+# Those of the words that begin with what is typed. (compgen -W would expand them once more.)
+_gyrotwin_offer() {
+  local current=$1 word
+  shift
+  for word; do [[ $word != "$current"* ]] || COMPREPLY+=("$word"); done
+}
+
 # Values of a type, as --help names it, that begin with what is typed.
 _gyrotwin_values() {
-  local type=$1 current=$2
+  local type=$1 current=$2 rigs=() words=()
   case $type in
-    'NAME|FILE') mapfile -t COMPREPLY < <(compgen -W "$(_gyrotwin_rigs)" -- "$current"; compgen -f -- "$current") ;;
+    'NAME|FILE')
+      mapfile -t COMPREPLY < <(compgen -f -- "$current")
+      mapfile -t rigs < <(_gyrotwin_rigs)
+      _gyrotwin_offer "$current" "${rigs[@]}"
+      ;;
     *FILE* | *.html | *.toml | OUT | LOG | PATH) mapfile -t COMPREPLY < <(compgen -f -- "$current") ;;
     FOLDER) mapfile -t COMPREPLY < <(compgen -d -- "$current") ;;
-    *'|'*) mapfile -t COMPREPLY < <(compgen -W "${type//|/ }" -- "$current") ;;
+    *'|'*)
+      IFS='|' read -ra words <<<"$type"
+      _gyrotwin_offer "$current" "${words[@]}"
+      ;;
   esac
   case $type in *FILE* | *.html | *.toml | OUT | LOG | PATH | FOLDER) compopt -o filenames 2>/dev/null || : ;; esac
 }
@@ -49,7 +63,7 @@ _gyrotwin() {
   if [[ $current != -* ]]; then
     for word in "${arguments[@]}"; do _gyrotwin_values "$word" "$current"; done
   fi
-  mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -W "${names[*]}" -- "$current")
+  _gyrotwin_offer "$current" "${names[@]}"
 }
 
 declare -gA _gyrotwin_words=()

@@ -26,10 +26,17 @@ Endpoint endpoint_of(const Words& words, const Rig& rig) {
 }
 
 /// Of a rig that is not signed: the gateway's alone, in a service's own folder or beside the keys.
-Key own_key(const Rig& rig) {
+/// The gateway makes it; who only asks for its addresses does not.
+Key own_key(const Rig& rig, bool make) {
   std::filesystem::path path = key_path(rig.name).replace_extension(".gateway");
   if (const char* state = std::getenv("STATE_DIRECTORY")) path = state / path.filename();
-  if (!std::filesystem::exists(path)) create_key(path);
+  if (std::filesystem::exists(path)) return load_key(path);
+  if (!make) {
+    throw Error("no gateway of rig " + rig.name + " has run here: " + path.string() +
+                " is missing. That of a service: sudo STATE_DIRECTORY=/var/lib/gyrotwin/" +
+                rig.name + " gyrotwin gateway --urls --rig " + rig.name);
+  }
+  create_key(path);
   return load_key(path);
 }
 
@@ -57,7 +64,7 @@ int run(const RigOptions& rig_options, const Words& words) {
   for (const std::string& word : rig_options.overrides()) {
     options.rig_arguments.insert(options.rig_arguments.end(), {"--set", word});
   }
-  const Tokens tokens = make_tokens(config.key ? *config.key : own_key(rig));
+  const Tokens tokens = make_tokens(config.key ? *config.key : own_key(rig, !words.urls));
   if (words.urls) {
     std::printf("operator  %s\nobserver  %s\n", url(options.endpoint, tokens.operator_).c_str(),
                 url(options.endpoint, tokens.observer).c_str());

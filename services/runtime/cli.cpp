@@ -128,6 +128,9 @@ int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>
     complain(app, error.what() + did_you_mean_possible(app) + "\n`" + app.get_name() +
                       " --help` shows what can be given");
     return kUsage;
+  } catch (const NotReady& error) {
+    complain(app, error.what());
+    return kNotReady;
   } catch (const Error& error) {
     complain(app, error.what());
     return kUsage;

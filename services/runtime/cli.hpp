@@ -11,8 +11,8 @@
 namespace gyrotwin {
 
 /// The program did what it was asked for; it could not (refused, fell, timed out); it was asked
-/// wrongly (command line, rig file).
-enum ExitCode : int { kDone = 0, kNotDone = 1, kUsage = 2 };
+/// wrongly (command line, rig file); this host is not ready for it yet (EX_TEMPFAIL of sysexits.h).
+enum ExitCode : int { kDone = 0, kNotDone = 1, kUsage = 2, kNotReady = 75 };
 
 /// The options about the rig: --rig, --set, --check-config, --print-config.
 class RigOptions {
@@ -48,9 +48,9 @@ CLI::Validator finite_within(double low, double high);
 CLI::Validator one_of(std::vector<std::string> words);
 
 /// Adds --version, parses the command line and runs `body`, which returns an exit code. A wrong
-/// command line and Error end with kUsage, any other exception with kNotDone, each with one message
-/// `NAME: error: ...` on stderr; NAME is the app's, e.g. gyrotwin-ctl. A misspelt subcommand or
-/// option is told with the one that was likely meant.
+/// command line and Error end with kUsage, NotReady with kNotReady, any other exception with
+/// kNotDone, each with one message `NAME: error: ...` on stderr; NAME is the app's, e.g.
+/// gyrotwin-ctl. A misspelt subcommand or option is told with the one that was likely meant.
 int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>& body);
 
 }  // namespace gyrotwin

@@ -13,6 +13,13 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What this host has not got yet, and may have later without anybody changing the question: a
+/// network interface. Programs exit with 75, upon which a service manager tries again.
+class NotReady : public Error {
+ public:
+  using Error::Error;
+};
+
 /// What was asked for did not come about: refused, not answered, not in time. what() says why and
 /// what to do; programs print it and exit with 1.
 class NotDone : public std::runtime_error {

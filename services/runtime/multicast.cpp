@@ -85,16 +85,16 @@ ip_mreqn find_interface(const std::string& name) {
 
   const std::string found = "network.interface is `" + name + "`, ";
   if (!flags) {
-    throw Error(found + "which does not exist; this host has: " + existing +
-                ". Change network.interface in the rig file (`lo` stays on this host)");
+    throw NotReady(found + "which does not exist; this host has: " + existing +
+                   ". Change network.interface in the rig file (`lo` stays on this host)");
   }
   if ((*flags & IFF_UP) == 0) {
-    throw Error(found + "which is down: `ip link set " + name +
-                " up`, or change network.interface in the rig file; this host has: " + existing);
+    throw NotReady(found + "which is down: `ip link set " + name +
+                   " up`, or change network.interface in the rig file; this host has: " + existing);
   }
   if (!address) {
-    throw Error(found + "which has no IPv4 address: `ip address add ADDRESS/24 dev " + name +
-                "`, or change network.interface in the rig file; this host has: " + existing);
+    throw NotReady(found + "which has no IPv4 address: `ip address add ADDRESS/24 dev " + name +
+                   "`, or change network.interface in the rig file; this host has: " + existing);
   }
   return {.imr_multiaddr = {},
           .imr_address = *address,

@@ -48,7 +48,10 @@ class Askers {
         used_, [=](const Used& used) { return used.writer == writer && counter <= used.counter; });
   }
   /// A new run: requests for the one before name its epoch.
-  void begin_run() noexcept { used_.clear(); }
+  void begin_run() noexcept {
+    used_.clear();
+    oldest_ = 0;
+  }
 
  private:
   struct Used {
@@ -140,7 +143,7 @@ class Owner {
   std::int64_t epoch_;
   Askers askers_;
   std::int64_t request_writer_ = 0, request_counter_ = 0;  // the last one that was applied
-  std::uint8_t why_[96] = {};
+  std::uint8_t why_[128] = {};
 };
 
 }  // namespace gyrotwin

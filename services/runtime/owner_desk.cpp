@@ -104,7 +104,8 @@ void OwnerDesk::answer(reply_t& reply) noexcept {
 
 void OwnerDesk::send_status(status_t& status, std::int64_t now) noexcept {
   fill_process(status, identity_, bus_.counters());
-  if (lately(other_owner_heard_, now)) {
+  const bool grave = status.mode == status_t::MODE_FALLEN || status.mode == status_t::MODE_FAULT;
+  if (lately(other_owner_heard_, now) && !grave) {
     set_text(status.text, "{}", text_view(conflict_));
   } else if (status.text[0] == 0 && !lately(controller_heard_, now)) {
     set_text(status.text, "no controller is heard");

@@ -108,25 +108,25 @@ TEST_F(Patient, SecondControllerWaitsForTheLease) {
 
 TEST_F(Patient, WrongInterface) {
   row("an interface that is not there, that is down, that has no address",
-      "no program starts (code 2); what runs balances on",
+      "no program starts (code 75: a unit tries again); what runs balances on",
       "\"network.interface is `...`, which does not exist; this host has: ...\", \"which is down: "
       "`ip link set ... up`\", \"which has no IPv4 address: `ip address add ...`\"",
       kNothing);
   for (const char* program : {"integrator", "hardware", "controller", "mirror", "gateway"}) {
     const Words arguments =
         program == std::string_view("hardware") ? Words{"--device", "/tmp/none"} : Words{};
-    EXPECT_EQ(with_interface(hosts(), program, "eth7", arguments), 2) << hosts().said;
+    EXPECT_EQ(with_interface(hosts(), program, "eth7", arguments), 75) << hosts().said;
     EXPECT_NE(hosts().said.find("network.interface is `eth7`, which does not exist; this host "
                                 "has: "),
               std::string::npos)
         << hosts().said;
   }
   hosts().at_operator.shell("ip link add name spare type veth peer name spare_end");
-  EXPECT_EQ(with_interface(hosts(), "controller", "spare"), 2);
+  EXPECT_EQ(with_interface(hosts(), "controller", "spare"), 75);
   EXPECT_NE(hosts().said.find("which is down: `ip link set spare up`"), std::string::npos)
       << hosts().said;
   hosts().at_operator.shell("ip link set spare up");
-  EXPECT_EQ(with_interface(hosts(), "controller", "spare"), 2);
+  EXPECT_EQ(with_interface(hosts(), "controller", "spare"), 75);
   EXPECT_NE(hosts().said.find("which has no IPv4 address: `ip address add ADDRESS/24 dev spare`"),
             std::string::npos)
       << hosts().said;
