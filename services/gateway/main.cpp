@@ -3,6 +3,7 @@
 
 #include "services/gateway/service.hpp"
 #include "services/runtime/cli.hpp"
+#include "services/runtime/error.hpp"
 #include "services/runtime/key.hpp"
 #include "services/runtime/rig_bus.hpp"
 
