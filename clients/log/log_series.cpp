@@ -2,11 +2,40 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
+
+namespace {
+
+/// Whether `name` is `path`'s, numbered.
+bool is_numbered(const std::filesystem::path& path, const std::string& name) {
+  const std::string head = path.stem().string() + ".", tail = path.extension().string();
+  if (name.size() <= head.size() + tail.size()) return false;
+  if (!name.starts_with(head) || !name.ends_with(tail)) return false;
+  const std::string_view number(name.data() + head.size(), name.size() - head.size() - tail.size());
+  return std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// A series would end, days later, where it met a file of an earlier one.
+void refuse_earlier_series(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  std::error_code unreadable;  // whoever makes the file says why
+  for (const auto& file : std::filesystem::directory_iterator(folder, unreadable)) {
+    if (!is_numbered(path, file.path().filename().string())) continue;
+    throw Error(file.path().string() +
+                ": exists already and is kept, as is every file of an earlier record of this name; "
+                "name another file, or remove it");
+  }
+}
+
+}  // namespace
 
 LogSeries::LogSeries(std::filesystem::path path, Limits limits, Opening opening, Finished finished,
                      std::int64_t time_us)
@@ -14,6 +43,7 @@ LogSeries::LogSeries(std::filesystem::path path, Limits limits, Opening opening,
       limits_(limits),
       opening_(std::move(opening)),
       finished_(std::move(finished)) {
+  if (limits_.any()) refuse_earlier_series(path_);
   open_next(time_us);
 }
 
@@ -54,6 +84,16 @@ void LogSeries::open_next(std::int64_t time_us) {
   opened_us_ = time_us;
   file_->append(opening);
   opening_events_ = file_->events();
+  remove_oldest();
+}
+
+void LogSeries::remove_oldest() {
+  removal_error_.clear();
+  while (limits_.keep > 0 && part_ - removed_ > limits_.keep) {
+    std::filesystem::remove(numbered(path_, removed_ + 1), removal_error_);
+    if (removal_error_) return;
+    ++removed_;
+  }
 }
 
 /// @param waiting bytes that go into the file before it
@@ -61,12 +101,13 @@ bool LogSeries::is_full_for(const LogEvent& event, std::size_t waiting) const {
   if (file_->events() == opening_events_ && waiting == 0) return false;  // one at least
   const std::int64_t size = file_->size() + static_cast<std::int64_t>(waiting + size_in_log(event));
   if (limits_.bytes > 0 && size > limits_.bytes) return true;
-  return limits_.time_us > 0 && event.time_us - opened_us_ >= limits_.time_us;
+  // Either way: a clock that was set back would keep the file open until it has caught up.
+  return limits_.time_us > 0 && std::abs(event.time_us - opened_us_) >= limits_.time_us;
 }
 
 std::filesystem::path numbered(const std::filesystem::path& path, int part) {
   std::filesystem::path name = path;
-  return name.replace_extension(fmt::format(".{:04}{}", part, path.extension().string()));
+  return name.replace_extension(fmt::format(".{:06}{}", part, path.extension().string()));
 }
 
 }  // namespace gyrotwin

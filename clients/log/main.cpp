@@ -51,6 +51,15 @@ void add_record(CLI::App& sub, Options& options) {
       ->check(finite_within(1e-3, kLongest).description(""));
 }
 
+void add_keep(CLI::App& sub, RecordOptions& record) {
+  sub.add_option(
+         "--keep", record.limits.keep,
+         "Of the numbered files keep the last N, the one being written included, and remove "
+         "this record's older ones; default: all")
+      ->type_name("N")
+      ->check(CLI::Range(2, 1'000'000).description(""));
+}
+
 void add_times(CLI::App& sub, double& from_s, double& to_s) {
   sub.add_option("--from", from_s, "Begin so long after the first message [s]")
       ->type_name("S")
@@ -103,9 +112,12 @@ void add_plot(CLI::App& sub, PlotOptions& options) {
 int run_record(const RigOptions& rig_options, const Options& options) {
   const Rig rig = rig_options.load();
   RecordOptions what = options.record;
+  if (what.limits.keep > 0 && options.rotate_mb == 0.0 && options.rotate_s == 0.0) {
+    throw Error("--keep is about the files of a record in several: add --rotate-mb or --rotate-s");
+  }
   what.keep = options.all ? Tap::Keep::kAll : Tap::Keep::kRig;
-  what.limits = {.bytes = std::llround(1e6 * options.rotate_mb),
-                 .time_us = std::llround(1e6 * options.rotate_s)};
+  what.limits.bytes = std::llround(1e6 * options.rotate_mb);
+  what.limits.time_us = std::llround(1e6 * options.rotate_s);
   return record(rig, print_rig(rig_options.name(), rig_options.overrides()), what);
 }
 
@@ -134,6 +146,7 @@ int main(int argc, char** argv) {
       "Exit code 0: done; 1: not done, or not to the end; 2: asked wrongly.\n"
       "Examples:\n"
       "  gyrotwin log record run.lcm            # until Ctrl-C\n"
+      "  gyrotwin log record --rotate-s 60 --keep 1440 run.lcm  # for ever; the last day stays\n"
       "  gyrotwin log info run.lcm\n"
       "  gyrotwin log cat --channel LIVE/STATE --from 2 --to 3 --json run.lcm\n"
       "  gyrotwin log replay run.lcm\n"
@@ -145,6 +158,7 @@ int main(int argc, char** argv) {
 
   CLI::App* record = app.add_subcommand("record", "Record the rig's bus until Ctrl-C");
   gyrotwin::add_record(*record, options);
+  gyrotwin::add_keep(*record, options.record);
   const gyrotwin::RigOptions record_rig(*record);
 
   CLI::App* info = app.add_subcommand("info", "What is in a log");

@@ -1,5 +1,6 @@
 #include "clients/log/record.hpp"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -97,6 +98,12 @@ class Progress {
     } else if (lost.all() > lost_) {
       daemon_.log(LogLevel::kWarning, "lost: {}", text_of(lost));
     }
+    if (series.removal_error() && series.files() > warned_at_) {
+      daemon_.log(LogLevel::kWarning, "{} cannot be removed: {}; the folder grows beyond --keep",
+                  numbered(series.path(), series.removed() + 1).string(),
+                  series.removal_error().message());
+      warned_at_ = series.files();
+    }
     events_ = series.events();
     lost_ = lost.all();
   }
@@ -108,6 +115,7 @@ class Progress {
   Daemon& daemon_;
   bool terminal_ = ::isatty(STDERR_FILENO) == 1;
   std::int64_t events_ = 0, lost_ = 0;
+  int warned_at_ = 0;  // files made
 };
 
 void warn_of_small_buffer(Daemon& daemon, int granted) {
@@ -119,8 +127,11 @@ void warn_of_small_buffer(Daemon& daemon, int granted) {
 }
 
 void summarise(const Rig& rig, const LogSeries& series, Listener& listener, double seconds) {
-  const std::string first =
-      series.files() == 1 ? "" : fmt::format("{} files up to ", series.files());
+  std::string first;
+  if (series.files() > 1) first = fmt::format("{} files up to ", series.files());
+  if (series.removed() > 0) {
+    first = fmt::format("the last {} of ", series.files() - series.removed()) + first;
+  }
   std::printf(
       "%s\n",
       fmt::format("recorded {} messages in {:.1f} s, {:.1f} MB: {}{}", series.events(), seconds,
@@ -143,6 +154,8 @@ void summarise(const Rig& rig, const LogSeries& series, Listener& listener, doub
 int record(const Rig& rig, const std::string& rig_file, const RecordOptions& options) {
   Daemon daemon("gyrotwin-log");
   ::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is a full disk like another
+  // So that what the spool gives back goes to the system, and not to a heap that stays.
+  ::mallopt(M_MMAP_THRESHOLD, static_cast<int>(Spool::kCalm));
   const BusConfig config = bus_config(rig, header_t::OPERATOR);
   Tap tap(config, options.keep);
   warn_of_small_buffer(daemon, tap.granted_buffer());

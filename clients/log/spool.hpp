@@ -15,6 +15,8 @@ class Spool {
  public:
   /// What may wait [byte].
   static constexpr std::size_t kRoom = 256 << 20;
+  /// Room that is kept when nothing waits; what a slow disk took beyond it is given back [byte].
+  static constexpr std::size_t kCalm = 64 << 10;
 
   /// @return false, and nothing kept, when it is full
   bool put(const LogEvent& event) {
@@ -40,6 +42,7 @@ class Spool {
   /// @return false when nothing waits and nothing will come
   bool take(LogBytes& events, std::chrono::milliseconds patience) {
     events.clear();
+    if (events.capacity() > kCalm) events = LogBytes();
     std::unique_lock lock(mutex_);
     arrived_.wait_for(lock, patience, [this] { return closed_ || !waiting_.empty(); });
     std::swap(events, waiting_);

@@ -193,12 +193,12 @@ TEST(Log, RotatesWithoutLosingAMessage) {
   const std::filesystem::path path = lab.folder() / "run.lcm";
   const auto recorder = start_recording(lab, {"--rotate-mb", "0.2", path});
   send_states(lab, 0, kMessages);
-  ASSERT_TRUE(soon([&] { return std::filesystem::exists(lab.folder() / "run.0004.lcm"); }));
+  ASSERT_TRUE(soon([&] { return std::filesystem::exists(lab.folder() / "run.000004.lcm"); }));
   ASSERT_EQ(stop_recording(*recorder), 0) << recorder->output();
   std::int64_t next = 0;
   int files = 0;
-  for (auto file = lab.folder() / "run.0001.lcm"; std::filesystem::exists(file);
-       file = lab.folder() / ("run.000" + std::to_string(files + 1) + ".lcm")) {
+  for (auto file = lab.folder() / "run.000001.lcm"; std::filesystem::exists(file);
+       file = lab.folder() / ("run.00000" + std::to_string(files + 1) + ".lcm")) {
     ++files;
     EXPECT_LE(std::filesystem::file_size(file), 200'000U);
     for (const Message& message : read(file)) {
@@ -212,6 +212,23 @@ TEST(Log, RotatesWithoutLosingAMessage) {
 
   EXPECT_EQ(lab.run("log", {"record", "--rotate-mb", "0.2", path}), 2) << lab.said;
   EXPECT_NE(lab.said.find("exists already"), std::string::npos) << lab.said;
+  EXPECT_EQ(lab.run("log", {"record", "--keep", "3", lab.folder() / "other.lcm"}), 2) << lab.said;
+  EXPECT_NE(lab.said.find("add --rotate-mb"), std::string::npos) << lab.said;
+}
+
+TEST(Log, RotatesForEverInBoundedRoom) {
+  Lab lab("double_brennan");
+  const auto recorder =
+      start_recording(lab, {"--rotate-mb", "0.2", "--keep", "2", lab.folder() / "run.lcm"});
+  send_states(lab, 0, 3000);
+  ASSERT_TRUE(soon([&] { return std::filesystem::exists(lab.folder() / "run.000005.lcm"); }));
+  ASSERT_EQ(stop_recording(*recorder), 0) << recorder->output();
+  EXPECT_TRUE(says(*recorder, "the last 2 of ")) << recorder->output();
+  int files = 0;
+  for (const auto& file : std::filesystem::directory_iterator(lab.folder())) {
+    files += file.path().extension() == ".lcm" ? 1 : 0;
+  }
+  EXPECT_EQ(files, 2);
 }
 
 TEST(Log, AFullDiskIsSaidAndKeepsWhatWasRecorded) {

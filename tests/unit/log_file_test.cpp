@@ -341,7 +341,92 @@ TEST_F(LogFolder, ASeriesByTimeBeginsAFileWithTheFirstEventThatIsLate) {
       [](const LogWriter&) {}, 0);
   series.append(events);
   EXPECT_EQ(series.files(), 4);
-  EXPECT_EQ(contents_of(folder_ / "run.0002.lcm").size(), 2 * (kLogHeader + 1 + 8));
+  EXPECT_EQ(contents_of(folder_ / "run.000002.lcm").size(), 2 * (kLogHeader + 1 + 8));
+}
+
+TEST_F(LogFolder, ASeriesByTimeGoesOnWhenTheClockIsSetBack) {
+  const LogBytes data(8, 1);
+  LogBytes events;
+  for (const std::int64_t time_us : {5000, 5050, 4990, 1000, 1050, 1100}) {
+    append_event(events, {.time_us = time_us, .channel = "C", .data = data});
+  }
+  LogSeries series(
+      folder_ / "run.lcm", {.time_us = 100}, [](int, std::int64_t) { return LogBytes(); },
+      [](const LogWriter&) {}, 5000);
+  series.append(events);
+  EXPECT_EQ(series.files(), 3);
+}
+
+/// So many events, each of which fills a file of `keeping()`.
+LogBytes full_files(int count) {
+  const LogBytes data(8, 1);
+  LogBytes events;
+  for (int i = 0; i < count; ++i) {
+    append_event(events, {.time_us = 100 * i, .channel = "C", .data = data});
+  }
+  return events;
+}
+
+LogSeries keeping(const std::filesystem::path& path, int keep) {
+  return {path,
+          {.time_us = 100, .keep = keep},
+          [](int, std::int64_t) { return LogBytes(); },
+          [](const LogWriter&) {},
+          0};
+}
+
+TEST_F(LogFolder, ASeriesKeepsItsLastFilesAndAllThatIsNotItsOwn) {
+  const std::vector<std::string> others{"run.lcm", "run.000001.txt", "run.old.000001.lcm",
+                                        "other.000001.lcm", "run.000001x.lcm"};
+  for (const std::string& other : others) std::ofstream(folder_ / other) << "dear";
+  LogSeries series = keeping(folder_ / "run.lcm", 3);
+  LogBytes events = full_files(7);
+  series.append(events);
+  EXPECT_EQ(series.files(), 7);
+  EXPECT_EQ(series.removed(), 4);
+  EXPECT_EQ(series.events(), 7);
+  std::vector<std::string> expected = others, left;
+  for (const int part : {5, 6, 7}) {
+    expected.push_back(numbered("run.lcm", part).string());
+  }
+  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
+    left.push_back(file.path().filename().string());
+  }
+  std::ranges::sort(expected);
+  std::ranges::sort(left);
+  EXPECT_EQ(left, expected);
+}
+
+TEST_F(LogFolder, WhatCannotBeRemovedIsToldAndTriedAgain) {
+  LogSeries series = keeping(folder_ / "run.lcm", 2);
+  LogBytes events = full_files(2);
+  series.append(events);
+  EXPECT_FALSE(series.removal_error());
+  // Not even root removes a folder that has something in it.
+  const auto first = numbered(folder_ / "run.lcm", 1);
+  std::filesystem::rename(first, folder_ / "moved");
+  std::filesystem::create_directories(first / "full");
+  events = full_files(4);
+  series.append(std::span(events).last(events.size() / 2));
+  EXPECT_TRUE(series.removal_error());
+  EXPECT_EQ(series.removed(), 0);
+  EXPECT_EQ(series.files(), 4);
+
+  std::filesystem::remove_all(first);
+  events = full_files(5);
+  series.append(std::span(events).last(events.size() / 5));
+  EXPECT_FALSE(series.removal_error());
+  EXPECT_EQ(series.removed(), 3);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "moved"));
+}
+
+TEST_F(LogFolder, ASeriesThatWouldMeetAnEarlierOneIsNotBegun) {
+  std::ofstream(numbered(folder_ / "run.lcm", 900)) << "dear";
+  EXPECT_THROW(keeping(folder_ / "run.lcm", 2), Error);
+  EXPECT_THROW(keeping(folder_ / "run.lcm", 0), Error);
+  EXPECT_FALSE(std::filesystem::exists(numbered(folder_ / "run.lcm", 1)));
+  EXPECT_NO_THROW(keeping(folder_ / "runs.lcm", 2));
+  EXPECT_NO_THROW(LogWriter(folder_ / "run.lcm"));
 }
 
 // All texts are read anew for each that is new: a log must not make that endless.
