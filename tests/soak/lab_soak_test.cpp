@@ -27,7 +27,8 @@ constexpr long kGrowthKib = 256;
 constexpr double kRotateMb = 8.0;
 constexpr std::size_t kKept = 4;
 constexpr int kQuietTurns = 5;  ///< STATUS messages to be heard in a quiet moment
-constexpr double kLulls = 40;   ///< of a run, in which nobody asks for anything
+constexpr int kTries = 5, kUnanswered = -1;
+constexpr double kLulls = 40;  ///< of a run, in which nobody asks for anything
 
 double hours() {
   const char* hours = std::getenv("GYROTWIN_SOAK_HOURS");
@@ -125,12 +126,22 @@ class Soak : public testing::TestWithParam<Soaked> {
   }
 
   void done(const std::string& program, const std::vector<std::string>& words) {
-    ASSERT_EQ(lab_.run(program, words), 0) << lab_.said << lab_.owner->output();
+    ASSERT_EQ(ask(program, words), 0) << lab_.said << lab_.owner->output();
     listen();
   }
   void refused(const std::string& program, const std::vector<std::string>& words) {
-    ASSERT_EQ(lab_.run(program, words), 1) << lab_.said;
+    ASSERT_EQ(ask(program, words), 1) << lab_.said;
     listen();
+  }
+  /// An answer is lost among the 60,000 messages a second of lockstep where the client that waits
+  /// for it gets no processor: then once more, as an operator would, and counted.
+  int ask(const std::string& program, const std::vector<std::string>& words) {
+    for (int left = kTries;; --left) {
+      const int code = lab_.run(program, words);
+      if (code != 1 || lab_.said.find("does not answer") == std::string::npos) return code;
+      if (left == 1) return kUnanswered;
+      ++unanswered_;
+    }
   }
 
   /// A working day in the life of a lab.
@@ -171,7 +182,10 @@ class Soak : public testing::TestWithParam<Soaked> {
   /// the disk go soon, as does what waits for the disk.
   void look() {
     if (first_) {
-      for (ProcessWatch& watch : watches_) watch.begin();
+      for (int turn = 0; turn < kQuietTurns; ++turn) {
+        listen();
+        for (ProcessWatch& watch : watches_) watch.begin();
+      }
       at_first_ = now_;
       first_ = false;
       return;
@@ -207,8 +221,9 @@ class Soak : public testing::TestWithParam<Soaked> {
   }
 
   void print_table() {
-    std::printf("\n%s: %.2f h simulated in %d runs, %d visits of the gateway\n", GetParam().name,
-                time_.seconds() / 3600, time_.runs, visits_);
+    std::printf(
+        "\n%s: %.2f h simulated in %d runs, %d visits of the gateway, %d requests asked again\n",
+        GetParam().name, time_.seconds() / 3600, time_.runs, visits_, unanswered_);
     std::printf(
         "| process    | memory first | last | growth | resident first | last | threads | "
         "descriptors |\n|---|---|---|---|---|---|---|---|\n");
@@ -237,6 +252,7 @@ class Soak : public testing::TestWithParam<Soaked> {
   std::map<std::int32_t, status_t> now_, at_first_;
   SimulatedTime time_;
   int visits_ = 0;
+  int unanswered_ = 0;
   bool first_ = true;
 };
 

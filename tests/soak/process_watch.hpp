@@ -42,8 +42,12 @@ class ProcessWatch {
  public:
   ProcessWatch(std::string name, pid_t pid) : name_(std::move(name)), pid_(pid) {}
 
-  /// What it holds from here on is what it shall hold.
-  void begin() { first_ = holding_of(pid_); }
+  /// What it holds from here on is what it shall hold: where this is said several times, the least.
+  void begin() {
+    const Holding now = holding_of(pid_);
+    if (first_.threads == 0) first_ = now;
+    first_.descriptors = std::min(first_.descriptors, now.descriptors);
+  }
 
   /// Whether it has the threads and descriptors it had at the beginning.
   bool settled() const {
