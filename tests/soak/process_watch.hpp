@@ -55,24 +55,27 @@ class ProcessWatch {
     return now.threads == first_.threads && now.descriptors == first_.descriptors;
   }
   void sample() { samples_.push_back(holding_of(pid_)); }
-  /// Takes less memory, if it is less now, for the last sample's.
-  void relax() {
-    samples_.back().anonymous_kib =
-        std::min(samples_.back().anonymous_kib, holding_of(pid_).anonymous_kib);
+  /// Takes less memory, if it is less now, for the last sample's. @return whether that is at most
+  /// so much more than the first one's
+  bool relaxed(long more_kib) {
+    long& memory = samples_.back().anonymous_kib;
+    memory = std::min(memory, holding_of(pid_).anonymous_kib);
+    return memory <= samples_.front().anonymous_kib + more_kib;
   }
 
-  /// Memory of the run's last third over its middle one; the first third is warm-up [KiB].
+  /// Memory of the run's last third over its middle one; the first third is warm-up [KiB]. The
+  /// least of each: what a moment has more is no growth, and a leak leaves no moment out.
   long growth_kib() const {
     const auto third = static_cast<std::ptrdiff_t>(samples_.size() / 3);
-    const auto most = [](auto begin, auto end) {
-      return std::max_element(begin, end,
+    const auto least = [](auto begin, auto end) {
+      return std::min_element(begin, end,
                               [](const Holding& a, const Holding& b) {
                                 return a.anonymous_kib < b.anonymous_kib;
                               })
           ->anonymous_kib;
     };
-    return most(samples_.end() - third, samples_.end()) -
-           most(samples_.begin() + third, samples_.end() - third);
+    return least(samples_.end() - third, samples_.end()) -
+           least(samples_.begin() + third, samples_.end() - third);
   }
 
   const std::string& name() const { return name_; }
