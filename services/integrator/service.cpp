@@ -157,7 +157,10 @@ void IntegratorService::follow_mode(std::int64_t now) noexcept {
   daemon_.log(mode == Mode::kFault ? LogLevel::kError : LogLevel::kInfo, "{} at tick {}{}{}",
               name_of(mode), integrator_.tick(), integrator_.why().empty() ? "" : ": ",
               integrator_.why());
-  if (new_run || integrator_.sequence() != stamp_.sequence) publish(now);
+  // A controller answers what says RUNNING; the last STATE of a step, which it is asked for now,
+  // says PAUSED.
+  const bool asks = mode == Mode::kRunning && !integrator_.answered();
+  if (new_run || integrator_.sequence() != stamp_.sequence || asks) publish(now);
   if (mode == Mode::kFault) log_history();
 }
 

@@ -182,5 +182,22 @@ TEST(Lockstep, WaitsForItsControllerSaysSoAndGoesOn) {
   lab.await_mode(status_t::MODE_RUNNING);
 }
 
+TEST(Lockstep, GoesOnAfterSingleSteps) {
+  Lab lab("double_brennan", {"loop.clock=lockstep"});
+  ASSERT_NO_FATAL_FAILURE(lab.start_daemons());
+  ASSERT_NO_FATAL_FAILURE(lab.arm());
+  ASSERT_EQ(lab.run("ctl", {"pause"}), 0) << lab.said;
+  const std::int64_t paused_at = lab.await_mode(status_t::MODE_PAUSED).header.tick;
+  for (const std::int64_t ticks : {5, 10}) {
+    ASSERT_EQ(lab.run("ctl", {"step", "5"}), 0) << lab.said;
+    const status_t status = lab.await_status([&](const status_t& s) {
+      return s.mode == status_t::MODE_PAUSED && s.header.tick >= paused_at + ticks;
+    });
+    EXPECT_EQ(status.header.tick, paused_at + ticks);
+  }
+  ASSERT_EQ(lab.run("ctl", {"resume"}), 0) << lab.said;
+  lab.await_status([&](const status_t& s) { return s.header.tick > paused_at + 1000; });
+}
+
 }  // namespace
 }  // namespace gyrotwin
