@@ -21,7 +21,7 @@ int run(const RigOptions& options, const std::string& on) {
   daemon.log(LogLevel::kInfo, "{}", service.law().describe());
   daemon.log(LogLevel::kInfo, "answers {}/STATE of rig {} on {}", on == "twin" ? "TWIN" : "LIVE",
              rig.name, reach(rig));
-  daemon.become_realtime(kPriority);
+  if (rig.loop.clock != ClockMode::kLockstep) daemon.become_realtime(kPriority);
   service.run();
   daemon.log(LogLevel::kInfo, "stopped");
   return kDone;

@@ -7,6 +7,7 @@
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <chrono>
@@ -26,6 +27,7 @@ namespace asio = boost::asio;
 using asio::use_awaitable;
 
 constexpr std::chrono::milliseconds kPeriod{100};  // of STATUS and of all that is looked after
+constexpr int kTurn = 64;  // messages on end, before clients have their turn
 constexpr std::int64_t kPatience = 1'000'000'000;  // for the owner's STATUS [ns]
 
 std::uint64_t wall_ns() {
@@ -70,9 +72,13 @@ class Loop {
   asio::awaitable<void> hear() {
     for (;;) {
       co_await ear_.async_wait(asio::posix::stream_descriptor::wait_read, use_awaitable);
+      int heard = 0;
       while (const auto reception = bus_.receive()) {
         if (is_owner_status(reception->channel)) owner_heard_ = clock_.now_ns();
         gateway_.on_reception(*reception, clock_.now_ns(), wall_ns());
+        if (++heard % kTurn != 0) continue;
+        server_.flush();
+        co_await asio::post(io_, use_awaitable);
       }
       server_.flush();
     }

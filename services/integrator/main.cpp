@@ -32,7 +32,8 @@ int run(const RigOptions& options) {
   IntegratorService service(rig, bus, clock, daemon);
   daemon.log(LogLevel::kInfo, "owns rig {} at {:g} Hz, heard on {}", rig.name, rig.loop.rate_hz,
              reach(rig));
-  daemon.become_realtime(kPriority);
+  // In lockstep nothing has a deadline, and who answers at once leaves others no processor.
+  if (rig.loop.clock != ClockMode::kLockstep) daemon.become_realtime(kPriority);
   service.run();
   daemon.log(LogLevel::kInfo, "stopped");
   return kDone;

@@ -16,7 +16,7 @@ int run(const RigOptions& options) {
   Bus bus(bus_config(rig, header_t::TWIN));
   MirrorService service(rig, bus, clock, daemon);
   daemon.log(LogLevel::kInfo, "follows rig {} on {}", rig.name, reach(rig));
-  daemon.become_realtime(kPriority);
+  if (rig.loop.clock != ClockMode::kLockstep) daemon.become_realtime(kPriority);
   service.run();
   daemon.log(LogLevel::kInfo, "stopped");
   return kDone;

@@ -1,9 +1,6 @@
 // A whole lab for hours of its own time: what it holds and what it counts stays as it is.
 //   GYROTWIN_SOAK_HOURS: simulated time of the cheapest rig; the others get a share of it
 #include <gtest/gtest.h>
-#include <linux/capability.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -91,16 +88,7 @@ class SimulatedTime {
 
 class Soak : public testing::TestWithParam<Soaked> {
  protected:
-  /// Lockstep has no deadlines. With a realtime priority, which root gets, integrator and
-  /// controller would leave the clients of a host with two processors next to nothing.
-  static void refuse_realtime_priority() {
-    ::prctl(PR_CAPBSET_DROP, CAP_SYS_NICE);
-    const rlimit none{};
-    ASSERT_EQ(::setrlimit(RLIMIT_RTPRIO, &none), 0);
-  }
-
   void start() {
-    if (lab_.rig.loop.clock == ClockMode::kLockstep) refuse_realtime_priority();
     ASSERT_NO_FATAL_FAILURE(lab_.start_daemons());
     mirror_ = lab_.start("mirror");
     gateway_ = lab_.start("gateway", {"--recordings", lab_.folder() / "recordings"});
