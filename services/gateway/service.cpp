@@ -14,6 +14,7 @@
 #include <exception>
 #include <utility>  // before Asio, which forgets it
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/key.hpp"
 #include "services/runtime/rig_bus.hpp"
 #include "services/runtime/show_status.hpp"
@@ -29,11 +30,6 @@ using asio::use_awaitable;
 constexpr std::chrono::milliseconds kPeriod{100};  // of STATUS and of all that is looked after
 constexpr int kTurn = 64;  // messages on end, before clients have their turn
 constexpr std::int64_t kPatience = 1'000'000'000;  // for the owner's STATUS [ns]
-
-std::uint64_t wall_ns() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count());
-}
 
 class Loop {
  public:

@@ -1,9 +1,12 @@
-// Wall time, as daemons see it: passed in, so that tests bring their own.
+// Time, as daemons see it: passed in, so that tests bring their own.
 #pragma once
 
 #include <cstdint>
 
 namespace gyrotwin {
+
+/// Wall clock, since 1970 [ns]: for stamps that others read; it may be set while a program runs.
+std::int64_t wall_ns() noexcept;
 
 /// Monotonic time in nanoseconds.
 class Clock {

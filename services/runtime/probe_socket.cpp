@@ -9,6 +9,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -41,12 +42,6 @@ Value value_of(cmsghdr* entry) noexcept {
 }
 
 }  // namespace
-
-std::int64_t wall_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return nanoseconds(now);
-}
 
 std::string address_text(const sockaddr_in& address) {
   char text[INET_ADDRSTRLEN] = {};

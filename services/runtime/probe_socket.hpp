@@ -27,9 +27,6 @@ struct Arrival {
   int interface = 0;             ///< index of the one it came in on
 };
 
-/// Wall clock, since 1970 [ns].
-std::int64_t wall_ns() noexcept;
-
 /// "198.51.100.1".
 std::string address_text(const sockaddr_in& address);
 
