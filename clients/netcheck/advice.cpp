@@ -9,7 +9,7 @@
 #include "clients/netcheck/quantity.hpp"
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 constexpr std::int64_t kIpAndUdp = 28;  // header bytes before a datagram
@@ -281,4 +281,4 @@ std::vector<Advice> advice(const Netcheck& given) {
   return distinct;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -12,7 +12,7 @@
 #include "services/runtime/probe_socket.hpp"
 #include "services/runtime/rig.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// One host that answered, and the line to it.
 struct CheckedLine {
@@ -51,4 +51,4 @@ struct Advice {
 /// Of the lines first, then of each host.
 std::vector<Advice> advice(const Netcheck& check);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

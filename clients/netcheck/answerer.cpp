@@ -4,7 +4,7 @@
 
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 constexpr std::size_t kSessions = 16;
@@ -87,4 +87,4 @@ Answerer::Session& Answerer::session(std::int64_t id, const Arrival& arrival,
   return s;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

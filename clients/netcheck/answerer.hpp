@@ -10,7 +10,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/probe_socket.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// So many in a second, so many at once.
 class RateLimit {
@@ -80,4 +80,4 @@ void serve(ProbeSocket& socket, Answerer& answerer, const Clock& clock, Stopping
   }
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// Counts numbers that begin at 0. What was sent minus distinct() is lost.
 class Arrivals {
@@ -53,4 +53,4 @@ class Arrivals {
   std::int64_t distinct_ = 0, repeats_ = 0, late_ = 0;
 };
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

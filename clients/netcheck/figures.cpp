@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 /// The quickest round trip knows the clocks best: its offset is wrong by half its time at most.
@@ -79,4 +79,4 @@ Figures figures(const Measurement& measured, std::int64_t ttl_here) {
   return f;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

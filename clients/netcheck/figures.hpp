@@ -8,7 +8,7 @@
 
 #include "services/runtime/probe.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// One ping and what became of it.
 struct Trip {
@@ -69,4 +69,4 @@ struct Figures {
 /// @param ttl_here that this host sends with
 Figures figures(const Measurement& measured, std::int64_t ttl_here);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -9,7 +9,7 @@
 #include "services/runtime/rig_bus.hpp"
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 /// Whether some processor may clock itself down; a virtual one has no governor and says nothing.
@@ -48,4 +48,4 @@ HostFacts host_facts(const ProbeSocket& socket, const Rig& rig, const Rights& ri
   return facts;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -20,11 +20,12 @@
 #include "services/runtime/rig_bus.hpp"
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 namespace {
 
-// Below every daemon's: a rig that runs beside it is not held up.
+// Below owner, controller and mirror, which it does not hold up; gateway and recorder, of normal
+// priority, have to wait for it.
 constexpr int kPriority = 77;
 
 // Away from the ports of other rigs, which stand side by side.
@@ -191,7 +192,7 @@ int listen(const RigOptions& rig_options, const Options& options) {
 
 }  // namespace
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck
 
 int main(int argc, char** argv) {
   CLI::App app(
@@ -210,7 +211,7 @@ int main(int argc, char** argv) {
       "  gyrotwin netcheck --json | jq .lines[0].good_for_hz");
   app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
-  gyrotwin::Options options;
+  gyrotwin::netcheck::Options options;
   app.add_flag("--local", options.local,
                "Between two threads of this host: its interface, rights, wake-ups");
   app.add_flag("--json", options.json, "Everything, as one JSON object");
@@ -228,7 +229,7 @@ int main(int argc, char** argv) {
   CLI::App* listen = app.add_subcommand("listen", "Answer, on the other hosts, until Ctrl-C");
   listen->alias("answer");
   return gyrotwin::run_program(argc, argv, app, [&] {
-    return listen->parsed() ? gyrotwin::listen(rig_options, options)
-                            : gyrotwin::check_network(rig_options, options);
+    return listen->parsed() ? gyrotwin::netcheck::listen(rig_options, options)
+                            : gyrotwin::netcheck::check_network(rig_options, options);
   });
 }

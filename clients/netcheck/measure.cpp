@@ -7,7 +7,7 @@
 #include "services/runtime/pacer.hpp"
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 constexpr std::int64_t kSearchNs = 1'000'000'000;
@@ -160,4 +160,4 @@ Measurement measure(const Line& line, const Peer& peer, double rate_hz, std::int
   return Run(line, peer, rate_hz, ticks).measure();
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -10,7 +10,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/probe_socket.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// A host that answers.
 struct Peer {
@@ -36,4 +36,4 @@ std::vector<Peer> find_peers(const Line& line);
 /// @param ticks deadlines
 Measurement measure(const Line& line, const Peer& peer, double rate_hz, std::int64_t ticks);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

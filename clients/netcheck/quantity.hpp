@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// "12.3 us", "1.5 ms", "3 s".
 inline std::string time_text_ns(std::int64_t ns) {
@@ -34,4 +34,4 @@ inline std::string bytes_text(std::int64_t bytes) {
 /// "1.3 %".
 inline std::string share_text(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -8,7 +8,7 @@
 #include "clients/netcheck/quantity.hpp"
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 constexpr std::size_t kColumns = 80;
@@ -180,4 +180,4 @@ std::string report_text(const Netcheck& check) {
   return text + advice_text(check);
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

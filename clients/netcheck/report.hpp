@@ -5,7 +5,7 @@
 
 #include "clients/netcheck/advice.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// At most 80 columns, but for a name or a command that is longer.
 std::string report_text(const Netcheck& check);
@@ -17,4 +17,4 @@ std::string report_json(const Netcheck& check);
 /// good. @pre it is not
 std::string limit_text(const Fit& fit, int timeout_ticks);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

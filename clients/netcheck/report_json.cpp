@@ -3,7 +3,7 @@
 #include "clients/netcheck/report.hpp"
 #include "services/runtime/text.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -122,4 +122,4 @@ std::string report_json(const Netcheck& check) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

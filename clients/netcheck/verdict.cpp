@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 /// What every rate is judged by.
@@ -122,4 +122,4 @@ LineVerdict line_verdict(const Measurement& measured, double rig_hz, int timeout
   return verdict;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

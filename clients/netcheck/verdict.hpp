@@ -7,7 +7,7 @@
 
 #include "clients/netcheck/figures.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// Rates that a verdict may name [Hz]; the rig's own is another.
 inline constexpr std::array kRates{10'000.0, 5'000.0, 2'000.0, 1'000.0, 500.0, 250.0, 100.0, 50.0};
@@ -64,4 +64,4 @@ Staleness staleness(const Measurement& measured);
 /// @param timeout_ticks safety.command_timeout_ticks
 LineVerdict line_verdict(const Measurement& measured, double rig_hz, int timeout_ticks);
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 // "NETCHEK1": what stands where LCM has a type's fingerprint; another layout gets another one.
@@ -168,4 +168,4 @@ std::size_t ProbeFormat::write(Frame& frame, const Probe& probe) const noexcept 
   return size;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

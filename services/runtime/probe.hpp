@@ -11,7 +11,7 @@
 
 #include "services/runtime/datagram.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// Who runs a program and what its host grants it; each end tells its own.
 struct HostFacts {
@@ -102,4 +102,4 @@ class ProbeFormat {
   DatagramFormat envelope_;
 };
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

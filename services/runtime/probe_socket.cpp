@@ -12,7 +12,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/error.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 constexpr int kLongestBurst = 256;
@@ -146,4 +146,4 @@ void ProbeSocket::take_note(msghdr& message, Arrival& arrival) noexcept {
   }
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

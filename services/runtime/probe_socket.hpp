@@ -10,7 +10,7 @@
 #include "services/runtime/bus.hpp"
 #include "services/runtime/probe.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 /// Counts since the socket was opened; as in BusCounters.
 struct ProbeCounters {
@@ -72,4 +72,4 @@ class ProbeSocket {
   ProbeCounters counters_;
 };
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

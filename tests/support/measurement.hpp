@@ -6,7 +6,7 @@
 
 #include "clients/netcheck/figures.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 
 inline constexpr std::int64_t kMs = 1'000'000;  // [ns]
 inline constexpr std::int64_t kUs = 1'000;      // [ns]
@@ -27,4 +27,4 @@ inline void lose(Measurement& m, std::size_t first, std::size_t count) {
   for (std::size_t i = first; i < first + count; ++i) m.trips[i].network = Trip::kNever;
 }
 
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

@@ -9,7 +9,7 @@
 #include "tests/support/bad_line.hpp"
 #include "tests/support/lab.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 using Json = nlohmann::json;
@@ -235,4 +235,4 @@ TEST_F(NetcheckTest, IsAskedWronglyWithTwo) {
 }
 
 }  // namespace
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

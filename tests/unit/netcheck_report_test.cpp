@@ -9,7 +9,7 @@
 #include "services/runtime/text.hpp"
 #include "tests/support/measurement.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 bool contains(const std::string& text, std::string_view part) {
@@ -207,4 +207,4 @@ TEST(Quantity, HasThreeDigits) {
 }
 
 }  // namespace
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

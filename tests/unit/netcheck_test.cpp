@@ -9,7 +9,7 @@
 #include "clients/netcheck/verdict.hpp"
 #include "tests/support/measurement.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 TEST(Arrivals, TellsNewRepeatedAndLate) {
@@ -218,4 +218,4 @@ TEST(Verdict, WhatIsOvertakenDoesNotMakeTheCommandNewer) {
 }
 
 }  // namespace
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck

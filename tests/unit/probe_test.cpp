@@ -9,7 +9,7 @@
 #include "services/runtime/text.hpp"
 #include "tests/support/raw_peer.hpp"
 
-namespace gyrotwin {
+namespace gyrotwin::netcheck {
 namespace {
 
 constexpr std::size_t kEnvelope = 9;  // LC02, packet number, NUL
@@ -239,4 +239,4 @@ TEST(ProbeSocket, CountsWhatIsNoneAndHearsTheNextOne) {
 }
 
 }  // namespace
-}  // namespace gyrotwin
+}  // namespace gyrotwin::netcheck
