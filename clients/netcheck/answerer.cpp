@@ -29,7 +29,7 @@ std::optional<Probe> Answerer::answer(const Arrival& arrival, const ProbeCounter
   if (const auto* question = std::get_if<Question>(&arrival.probe)) {
     if (question->target != id_ && question->target != Question::kEverybody) return {};
     if (!reports_.allows(now_ns)) return {};
-    return report(*question, arrival, counters);
+    return report(*question, counters);
   }
   return {};
 }
@@ -49,29 +49,32 @@ std::optional<Probe> Answerer::answer_to(const Ping& ping, const Arrival& arriva
                 .received_ns = arrival.received_ns};
 }
 
-std::optional<Probe> Answerer::report(const Question& question, const Arrival& arrival,
-                                      const ProbeCounters& counters) {
-  const Session& s = session(question.session, arrival, counters);
+// A question to everybody names no run, so that anybody may play back an old one: it looks a
+// session up, but neither begins one nor makes another be forgotten.
+Report Answerer::report(const Question& question, const ProbeCounters& counters) const {
   Report report{.session = question.session,
                 .answerer = id_,
                 .serial = question.serial,
-                .answered = s.answered,
-                .over_rate = s.over_rate,
                 .unauthentic = counters.unauthentic,
-                .facts = facts_,
-                .heard = {.distinct = s.pings.distinct(),
-                          .repeats = s.pings.repeats(),
-                          .late = s.pings.late(),
-                          .ttl_min = s.ttl_min,
-                          .ttl_max = s.ttl_max,
-                          .kernel_dropped = counters.kernel_dropped - s.dropped_before}};
+                .facts = facts_};
+  const auto found = std::ranges::find(sessions_, question.session, &Session::id);
+  if (found == sessions_.end()) return report;
+  const Session& s = **found;
+  report.answered = s.answered;
+  report.over_rate = s.over_rate;
+  report.heard = {.distinct = s.pings.distinct(),
+                  .repeats = s.pings.repeats(),
+                  .late = s.pings.late(),
+                  .ttl_min = s.ttl_min,
+                  .ttl_max = s.ttl_max,
+                  .kernel_dropped = counters.kernel_dropped - s.dropped_before};
   set_text(report.heard.interface, "{}", interface_name(s.interface));
   return report;
 }
 
 Answerer::Session& Answerer::session(std::int64_t id, const Arrival& arrival,
                                      const ProbeCounters& counters) {
-  auto found = std::ranges::find_if(sessions_, [id](const auto& s) { return s->id == id; });
+  auto found = std::ranges::find(sessions_, id, &Session::id);
   if (found == sessions_.end()) {
     if (sessions_.size() == kSessions) sessions_.pop_back();
     sessions_.push_back(std::make_unique<Session>());

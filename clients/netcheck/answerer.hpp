@@ -25,7 +25,7 @@ class RateLimit {
   std::int64_t last_ns_ = 0;
 };
 
-/// Remembers the 16 sessions heard last.
+/// Remembers the 16 sessions pinged last. A question changes nothing that it remembers.
 class Answerer {
  public:
   /// Twice the highest rate that is ever asked for.
@@ -52,17 +52,17 @@ class Answerer {
     int ttl_min = -1, ttl_max = -1, interface = 0;
   };
 
-  std::optional<Probe> report(const Question& question, const Arrival& arrival,
-                              const ProbeCounters& counters);
+  Report report(const Question& question, const ProbeCounters& counters) const;
   std::optional<Probe> answer_to(const Ping& ping, const Arrival& arrival,
                                  const ProbeCounters& counters, std::int64_t now_ns);
+  /// The session of a ping that has come: looked up or begun, and the last heard from now on.
   Session& session(std::int64_t id, const Arrival& arrival, const ProbeCounters& counters);
 
   std::int64_t id_;
   HostFacts facts_;
   RateLimit answers_{kMostPerSecond, kMostAtOnce};
   RateLimit reports_{kMostReportsPerSecond, kMostReportsAtOnce};
-  std::vector<std::unique_ptr<Session>> sessions_;  // the last heard first
+  std::vector<std::unique_ptr<Session>> sessions_;  // the last pinged first
 };
 
 /// Answers until `stopping()` says so; looks every 50 ms.

@@ -1,7 +1,6 @@
 // Which of a sender's numbered messages have come: once, again, or after a later one.
 #pragma once
 
-#include <algorithm>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +17,7 @@ class Arrivals {
   /// behind counts as a repeat
   bool hear(std::int64_t number) noexcept {
     if (number > newest_) {
-      forget(std::min(number - newest_, kWindow));
+      forget_between(newest_, number);
       newest_ = number;
     } else if (number <= newest_ - kWindow || heard_[slot(number)]) {
       ++repeats_;
@@ -39,13 +38,13 @@ class Arrivals {
   static std::size_t slot(std::int64_t number) noexcept {
     return static_cast<std::size_t>(number % kWindow);
   }
-  /// The window moves on by so many numbers, none of which has come.
-  void forget(std::int64_t count) noexcept {
-    if (count == kWindow) {
+  /// The window moves on from `old` to `next`; nothing between them has come.
+  void forget_between(std::int64_t old, std::int64_t next) noexcept {
+    if (old < next - kWindow) {
       heard_.reset();
       return;
     }
-    for (std::int64_t n = 1; n <= count; ++n) heard_[slot(newest_ + n)] = false;
+    for (std::int64_t n = old + 1; n < next; ++n) heard_[slot(n)] = false;
   }
 
   std::bitset<kWindow> heard_;

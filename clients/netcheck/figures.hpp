@@ -27,7 +27,7 @@ struct Trip {
 
 /// From the four stamps of a round trip, which is answered from now on.
 /// @param t1 sent here, t2 heard there, t3 sent there, t4 heard here; wall clocks of their hosts
-/// [ns]
+/// [ns], from 0 to kProbeLatest
 void complete(Trip& trip, std::int64_t t1, std::int64_t t2, std::int64_t t3, std::int64_t t4);
 
 /// All that happened between this host and another one.

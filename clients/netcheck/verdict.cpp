@@ -59,15 +59,18 @@ std::int64_t longest_lost_run(const std::vector<Trip>& trips) {
 
 Part slowest_part(const Measurement& measured, std::int64_t budget_ns) {
   const auto sent = static_cast<std::int64_t>(measured.trips.size());
-  std::int64_t here = (measured.ticks - sent) * measured.period_ns, network = 0, there = 0;
+  const std::int64_t slept = (measured.ticks - sent) * measured.period_ns;
+  // Not whole numbers: clocks that are set make trips of years, and some of these do not fit in
+  // one.
+  double here = static_cast<double>(slept), network = 0.0, there = 0.0;
   for (const Trip& trip : measured.trips) {
     if (!trip.answered() || trip.response() <= budget_ns) continue;
-    here += trip.lateness;
-    network += trip.network;
-    there += trip.turn;
+    here += static_cast<double>(trip.lateness);
+    network += static_cast<double>(trip.network);
+    there += static_cast<double>(trip.turn);
   }
-  const std::int64_t most = std::max({here, network, there});
-  if (most == 0) return Part::kNone;
+  const double most = std::max({here, network, there});
+  if (most == 0.0) return Part::kNone;
   if (most == here) return Part::kWakeHere;
   return most == network ? Part::kNetwork : Part::kWakeThere;
 }

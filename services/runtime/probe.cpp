@@ -106,10 +106,33 @@ Probe make(std::size_t kind) noexcept {
   return Probe(std::in_place_index<I>);
 }
 
-bool plausible(const Question&) noexcept { return true; }
-bool plausible(const Ping& p) noexcept { return p.sequence >= 0; }
-bool plausible(const Answer& a) noexcept { return a.sequence >= 0 && a.number >= 0; }
-bool plausible(const Report&) noexcept { return true; }
+bool is_count(std::int64_t number) noexcept { return 0 <= number && number <= kProbeMost; }
+bool is_stamp(std::int64_t ns) noexcept { return 0 <= ns && ns < kProbeLatest; }
+
+/// Whether all numbers that it visits are within +-kProbeMost.
+struct Bounded {
+  bool all = true;
+  void operator()(std::int64_t number) noexcept {
+    all = all && -kProbeMost <= number && number <= kProbeMost;
+  }
+  template <std::size_t N>
+  void operator()(const std::uint8_t (&)[N]) noexcept {}
+};
+
+// Session, target and answerer are names, of any bits.
+bool plausible(Question& q) noexcept { return is_count(q.serial); }
+bool plausible(Ping& p) noexcept { return is_count(p.sequence); }
+bool plausible(Answer& a) noexcept {
+  return is_count(a.sequence) && is_count(a.number) && is_stamp(a.received_ns) &&
+         is_stamp(a.sent_ns);
+}
+bool plausible(Report& r) noexcept {
+  Bounded numbers;
+  visit_fields(r.facts, numbers);
+  visit_fields(r.heard, numbers);
+  return numbers.all && is_count(r.serial) && is_count(r.answered) && is_count(r.over_rate) &&
+         is_count(r.unauthentic);
+}
 
 }  // namespace
 

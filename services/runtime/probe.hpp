@@ -13,6 +13,11 @@
 
 namespace gyrotwin::netcheck {
 
+/// No count or size of a good probe is larger, so that what is computed of them cannot overflow.
+inline constexpr std::int64_t kProbeMost = std::int64_t{1} << 53;
+/// All stamps of a good probe are before: the year 2116. Their differences fit, and sums of two.
+inline constexpr std::int64_t kProbeLatest = std::int64_t{1} << 62;
+
 /// Who runs a program and what its host grants it; each end tells its own.
 struct HostFacts {
   std::uint8_t host[32] = {};           ///< name, see set_text()
@@ -89,7 +94,8 @@ class ProbeFormat {
     Verdict verdict;
     Probe probe{};  ///< when the verdict is kGood
   };
-  /// Takes any bytes.
+  /// Takes any bytes. What is good has numbers within kProbeMost and kProbeLatest; counts and
+  /// stamps are not negative.
   Judged judge(std::span<const std::uint8_t> datagram) const noexcept;
 
   /// Writes and signs a datagram. @return its size

@@ -39,6 +39,15 @@ TEST(Arrivals, RemembersAWindowOfNumbers) {
   EXPECT_FALSE(arrivals.hear(kWindow));
 }
 
+TEST(Arrivals, MayBeginAtTheLargestNumber) {
+  Arrivals arrivals;
+  EXPECT_TRUE(arrivals.hear(std::numeric_limits<std::int64_t>::max()));
+  EXPECT_FALSE(arrivals.hear(std::numeric_limits<std::int64_t>::max()));
+  EXPECT_TRUE(arrivals.hear(std::numeric_limits<std::int64_t>::max() - 1));
+  EXPECT_FALSE(arrivals.hear(0)) << "too long ago to be told from a repeat";
+  EXPECT_EQ(arrivals.distinct(), 2);
+}
+
 // Against a set, numbers in disorder that go round the window several times.
 TEST(Arrivals, AgreesWithASet) {
   std::mt19937 random(1);
@@ -65,6 +74,24 @@ TEST(Trip, TakesTheOthersTurnOutOfTheRoundTrip) {
   EXPECT_EQ(trip.turn, 5);
   EXPECT_EQ(trip.response(), 52);
   EXPECT_EQ(trip.offset, 1010) << "right but for the difference of the ways, at most half of both";
+}
+
+// The other end may stamp what it likes within what ProbeFormat lets through: all of it is counted.
+TEST(Trip, TakesTheWidestStamps) {
+  constexpr std::int64_t kEnd = kProbeLatest - 1, kNow = 1'800'000'000 * (1'000 * kMs);
+  for (const auto& [t2, t3] : {std::pair{std::int64_t{0}, kEnd}, {kEnd, std::int64_t{0}}}) {
+    Measurement m = steady(4);
+    for (Trip& trip : m.trips) complete(trip, kNow, t2, t3, kNow + kMs);
+    const bool back_in_time = t3 < t2;
+    EXPECT_EQ(m.trips[0].turn, back_in_time ? 0 : kEnd);
+    EXPECT_EQ(m.trips[0].network, back_in_time ? kMs + kEnd : 0);
+    EXPECT_GT(m.trips[0].response(), 0);
+    EXPECT_EQ(figures(m, 1).response.max, kEnd + 100 * kUs + (back_in_time ? kMs : 0));
+    const LineVerdict v = line_verdict(m, 1000.0, 10);
+    EXPECT_EQ(v.rig.limit, Limit::kSlow);
+    EXPECT_EQ(v.slowest, back_in_time ? Part::kNetwork : Part::kWakeThere)
+        << "four of them do not fit in 64 bits";
+  }
 }
 
 TEST(Spread, HasNearestRanks) {

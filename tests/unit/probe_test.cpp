@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "clients/netcheck/answerer.hpp"
@@ -44,7 +45,7 @@ Report some_report() {
                   .late = 19,
                   .ttl_min = 20,
                   .ttl_max = 21,
-                  .kernel_dropped = std::int64_t{1} << 62};
+                  .kernel_dropped = kProbeMost};
   set_text(report.heard.interface, "eth1");
   return report;
 }
@@ -75,7 +76,7 @@ TEST(ProbeFormat, ReadsWhatItHasWritten) {
   EXPECT_EQ(get_text(read.facts.host), "lab");
   EXPECT_EQ(get_text(read.heard.interface), "eth1");
   EXPECT_EQ(read.facts.clock_max_error_ns, -14);
-  EXPECT_EQ(read.heard.kernel_dropped, std::int64_t{1} << 62);
+  EXPECT_EQ(read.heard.kernel_dropped, kProbeMost);
 }
 
 TEST(ProbeFormat, IsAsLargeAsWhatItStandsFor) {
@@ -103,6 +104,41 @@ TEST(ProbeFormat, TellsWhatIsWrong) {
   EXPECT_EQ(format.judge(written(format, Answer{.number = -1})).verdict, Verdict::kMalformed);
   EXPECT_EQ(format.judge(short_message("TEST/LIVE/STATE", {})).verdict, Verdict::kMalformed);
   EXPECT_EQ(format.judge(short_message("TEST/NETCHECK/WHAT", {})).verdict, Verdict::kForeign);
+}
+
+// Numbers that no honest peer has would overflow where they are computed with.
+TEST(ProbeFormat, BoundsEveryNumber) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
+  const ProbeFormat format = format_of(test_key());
+  const auto verdict = [&](const Probe& probe) {
+    return format.judge(written(format, probe)).verdict;
+  };
+  const auto good = Verdict::kGood, bad = Verdict::kMalformed;
+
+  EXPECT_EQ(verdict(Question{kMax, kMin, kProbeMost}), good) << "names are of any bits";
+  EXPECT_EQ(verdict(Question{1, -1, kProbeMost + 1}), bad);
+  EXPECT_EQ(verdict(Ping{kMax, kMin, kProbeMost}), good);
+  EXPECT_EQ(verdict(Ping{1, 2, kMax}), bad);
+  EXPECT_EQ(verdict(Answer{kMax, kMin, kProbeMost, kProbeMost, kProbeLatest - 1, 0}), good);
+  for (const std::int64_t stamp : {kMin, std::int64_t{-1}, kProbeLatest, kMax}) {
+    EXPECT_EQ(verdict(Answer{.received_ns = stamp}), bad) << stamp;
+    EXPECT_EQ(verdict(Answer{.sent_ns = stamp}), bad) << stamp;
+  }
+  EXPECT_EQ(verdict(Answer{.sequence = kProbeMost + 1}), bad);
+  EXPECT_EQ(verdict(Answer{.number = kProbeMost + 1}), bad);
+
+  // A report: every number but its two names, the first and second after layout and rig.
+  Bytes report = written(format_of({}), some_report());
+  const std::size_t payload = kEnvelope + std::string_view("TEST/NETCHECK/REPORT").size();
+  std::size_t refused = 0;
+  for (std::size_t at = payload + 16; at + 8 <= report.size(); at += 8) {
+    Bytes turned = report;
+    turned[at] ^= 0x40;  // of a number: 2^62
+    refused += format_of({}).judge(turned).verdict == bad;
+  }
+  // 6 + 10 + 6 numbers, without the names; texts, zeros and the signature may be anything.
+  EXPECT_EQ(refused, 20u);
 }
 
 // Whatever bit is turned and wherever it is cut, it is no longer good: but for the packet number,
@@ -173,6 +209,34 @@ TEST(Answerer, KeepsSessionsApartAndForgetsTheOldest) {
   EXPECT_FALSE(answerer.answer(came(Ping{16, 9, 0}), {}, 0));
   EXPECT_FALSE(answerer.answer(came(Ping{1, 9, 0}), {}, 0));
   EXPECT_TRUE(answerer.answer(came(Ping{0, 9, 0}), {}, 0)) << "forgotten, so it is new";
+}
+
+// A question to everybody names no run: old ones that are played back must not end a session.
+TEST(Answerer, QuestionsChangeNoSession) {
+  Answerer answerer(9, {});
+  for (std::int64_t session = 0; session < 16; ++session) {
+    EXPECT_TRUE(answerer.answer(came(Ping{session, 9, 0}), {}, 0));
+  }
+  for (std::int64_t old = 100; old < 200; ++old) {
+    const auto report =
+        answerer.answer(came(Question{old, -1, 3}, 5), {.unauthentic = 6}, old * kSecond);
+    ASSERT_TRUE(report);
+    const auto& r = std::get<Report>(*report);
+    EXPECT_EQ(r.session, old);
+    EXPECT_EQ(r.serial, 3);
+    EXPECT_EQ(r.unauthentic, 6);
+    EXPECT_EQ(r.answered, 0);
+    EXPECT_EQ(r.heard.distinct, 0);
+    EXPECT_EQ(r.heard.ttl_max, -1);
+  }
+  for (std::int64_t session = 0; session < 16; ++session) {
+    EXPECT_FALSE(answerer.answer(came(Ping{session, 9, 0}), {}, 200 * kSecond)) << session;
+  }
+  // Nor does one keep its session from being the next that is forgotten, or count as heard in it.
+  const auto report = answerer.answer(came(Question{0, -1, 0}, 5), {}, 200 * kSecond);
+  EXPECT_EQ(std::get<Report>(*report).heard.ttl_max, 1);
+  EXPECT_TRUE(answerer.answer(came(Ping{16, 9, 0}), {}, 200 * kSecond));
+  EXPECT_TRUE(answerer.answer(came(Ping{0, 9, 0}), {}, 200 * kSecond)) << "forgotten, so it is new";
 }
 
 TEST(Answerer, HasAnUpperLimitOfItsRate) {
