@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "clients/common/shell_word.hpp"
 #include "clients/netcheck/quantity.hpp"
 #include "services/runtime/text.hpp"
 
@@ -57,7 +58,7 @@ class HostAdvice {
     if (facts_.mtu != 0 && facts_.mtu < kLargest) {
       add(fmt::format("{} takes packets of {} bytes; the largest message has {} and is cut in two.",
                       interface_, facts_.mtu, kLargest),
-          {fmt::format("sudo ip link set {} mtu 1500", interface_)});
+          {"sudo ip link set " + shell_word(interface_) + " mtu 1500"});
     }
     if (facts_.wireless != 0) {
       add(interface_ + " is a radio: it pauses and repeats as it likes. Use a cable.", {});
@@ -95,7 +96,7 @@ void way_advice(const Way& way, const HostFacts& from, const HostFacts& to,
   const auto say = [&](std::string text, std::vector<std::string> commands) {
     list.push_back({std::move(text), std::move(commands)});
   };
-  const std::string look = "ip -s link show " + get_text(to.interface);
+  const std::string interface = shell_word(get_text(to.interface));
   if (way.kernel_dropped > 0) {
     say(fmt::format("{}: {} datagrams were dropped as its program did not come to read them: less "
                     "load on it, or the realtime priority.",
@@ -106,7 +107,7 @@ void way_advice(const Way& way, const HostFacts& from, const HostFacts& to,
     say(fmt::format("{}: {} lost on the way: a cable, a port at half duplex, a switch that is too "
                     "busy or limits multicast. Errors are counted at either end:",
                     route, count_text(way.lost, way.sent)),
-        {look, "sudo ethtool -S " + get_text(to.interface)});
+        {"ip -s link show " + interface, "sudo ethtool -S " + interface});
   }
   if (way.late > 0) {
     say(fmt::format("{}: {} overtaken: several paths or queues, as of bonds and radios. Late ones "
@@ -155,7 +156,7 @@ void slow_advice(const CheckedLine& line, const HostFacts& here, std::vector<Adv
           {fmt::format("{} to {} and back takes as long as {}: adapters that gather "
                        "packets before they interrupt, a slow or busy switch.",
                        get_text(here.host), get_text(line.peer.facts.host), worst(f.network)),
-           {fmt::format("sudo ethtool -C {} rx-usecs 0", get_text(here.interface))}});
+           {"sudo ethtool -C " + shell_word(get_text(here.interface)) + " rx-usecs 0"}});
   }
 }
 
@@ -221,8 +222,9 @@ void silence_advice(const Netcheck& check, std::vector<Advice>& list) {
   }
   list.push_back({fmt::format("a firewall, here or there. UDP {} and {} must come in:",
                               network.port, check.port),
-                  {"sudo nft list ruleset", fmt::format("sudo ufw allow proto udp to {} port {},{}",
-                                                        network.group, network.port, check.port)}});
+                  {"sudo nft list ruleset",
+                   fmt::format("sudo ufw allow proto udp to {} port {},{}",
+                               shell_word(network.group), network.port, check.port)}});
   list.push_back(
       {"a switch with IGMP snooping and no querier forgets groups after minutes: turn one "
        "of the two off or on.",

@@ -44,7 +44,7 @@ struct Netcheck {
 
 struct Advice {
   std::string text;
-  std::vector<std::string> commands;  ///< as a shell takes them; empty: none would do
+  std::vector<std::string> commands;  ///< as a shell takes them, quoted; empty: none would do
   bool operator==(const Advice&) const = default;
 };
 

@@ -177,8 +177,8 @@ int listen(const RigOptions& rig_options, const Options& options) {
       daemon.log(
           LogLevel::kWarning,
           "somebody asks with another key and is not answered: compare `gyrotwin key show-id "
-          "--rig {}` on both hosts",
-          rig.name);
+          "{}` on both hosts",
+          rig_words(rig_options));
     }
     return daemon.stopping();
   });

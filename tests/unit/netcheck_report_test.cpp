@@ -75,6 +75,38 @@ TEST(Advice, NamesTheHostAndTheCommand) {
   EXPECT_EQ(advice(check).size(), 7) << "and nothing of bench, where all is well";
 }
 
+// Commands are meant to be pasted; what a peer calls its interface is his.
+TEST(Advice, QuotesWhatAPeerSays) {
+  Measurement m = steady();
+  for (Trip& trip : m.trips) trip.network = 2 * kMs;
+  m.there->heard.distinct = 900;
+  m.there->answered = 900;
+  m.heard.distinct = 800;
+  Netcheck check = checked(m);
+  for (HostFacts* facts : {&check.here, &check.lines[0].peer.facts}) {
+    facts->mtu = 1000;
+    set_text(facts->interface, "a;b");
+  }
+  check.rig.network.group = "a;b";
+  std::vector<std::string> commands;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (const Advice& a : advice(check)) {
+      commands.insert(commands.end(), a.commands.begin(), a.commands.end());
+    }
+    check.lines.clear();  // nobody answers
+  }
+  int quoted = 0;
+  for (std::string command : commands) {
+    for (auto at = command.find("'a;b'"); at != std::string::npos; at = command.find("'a;b'")) {
+      command.erase(at, 5);
+      ++quoted;
+    }
+    EXPECT_FALSE(contains(command, "a;b")) << command;
+  }
+  // Two of what is lost on either way, the adapter that gathers, three MTUs, the firewall.
+  EXPECT_EQ(quoted, 2 * 2 + 1 + 3 + 1);
+}
+
 TEST(Advice, TellsTheWaysApart) {
   Measurement m = steady();
   lose(m, 0, 30);
