@@ -198,7 +198,7 @@ void line_advice(const Netcheck& check, const CheckedLine& line, std::vector<Adv
   slow_advice(line, check.here, list);
 }
 
-/// Nobody answers: all that may be the reason, the likeliest first.
+/// Nobody answers, or too few: all that may be the reason, the likeliest first.
 void silence_advice(const Netcheck& check, std::vector<Advice>& list) {
   const Rig::Network& network = check.rig.network;
   if (network.interface == "lo") {
@@ -251,8 +251,10 @@ Netcheck told_apart(Netcheck check) {
 
 }  // namespace
 
+bool Netcheck::complete() const { return lines.size() >= std::max<std::size_t>(1, hosts); }
+
 bool Netcheck::good() const {
-  return !lines.empty() &&
+  return complete() &&
          std::ranges::all_of(lines, [](const CheckedLine& l) { return l.verdict.rig.good(); });
 }
 
@@ -260,7 +262,7 @@ std::vector<Advice> advice(const Netcheck& given) {
   if (!given.broken.empty()) return {{given.broken, {}}};
   const Netcheck check = given.alone ? given : told_apart(given);
   std::vector<Advice> list;
-  if (check.lines.empty()) silence_advice(check, list);
+  if (!check.complete()) silence_advice(check, list);
   for (const CheckedLine& line : check.lines) line_advice(check, line, list);
 
   std::vector<const HostFacts*> hosts{&check.here};

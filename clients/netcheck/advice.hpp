@@ -1,6 +1,7 @@
 // What to fix, and with which command. Pure.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,13 +33,16 @@ struct Netcheck {
   std::string rig_words{};  ///< the options that name it, as a shell takes them
   int port = 0;             ///< of the probes
   bool alone = false;       ///< between two threads of this host
+  std::size_t hosts = 0;    ///< so many must answer; 0: any
   std::string broken{};     ///< why nothing can be sent; empty: it can
   HostFacts here{};
   std::string address{};  ///< of this host
   ProbeCounters counters{};
   std::vector<CheckedLine> lines{};
 
-  /// Every line is good for the rig's own rate, and there is one.
+  /// Every host that must answer does; of `hosts` 0 that is one.
+  bool complete() const;
+  /// It is complete, and every line is good for the rig's own rate.
   bool good() const;
 };
 

@@ -38,6 +38,8 @@ struct Options {
   int port = 0;          ///< 0: from the rig's
   double rate_hz = 0.0;  ///< 0: the rig's
   double duration_s = 10.0;
+  double patience_s = 1.0;
+  int hosts = 0;  ///< that must answer; 0: any
 };
 
 int probe_port(const Rig& rig, const Options& options) {
@@ -105,7 +107,8 @@ CheckedLine judge(const Netcheck& check, const Peer& peer, const Measurement& me
 bool measure_lines(Netcheck& check, ProbeSocket& socket, const BusConfig& config, Daemon& daemon,
                    const Options& options) {
   MonotonicClock clock;
-  const Line line{socket, clock, [&daemon] { return daemon.stopping(); }};
+  const Line line{socket, clock, [&daemon] { return daemon.stopping(); },
+                  std::llround(1e9 * options.patience_s)};
   std::optional<OtherThread> other;
   if (check.alone) other.emplace(check.rig, config);
   check.here = host_facts(socket, check.rig, daemon.ask_realtime(kPriority));
@@ -116,7 +119,7 @@ bool measure_lines(Netcheck& check, ProbeSocket& socket, const BusConfig& config
 
   const double rate = options.rate_hz > 0.0 ? options.rate_hz : check.rig.loop.rate_hz;
   const auto ticks = std::max<std::int64_t>(1, std::llround(rate * options.duration_s));
-  const std::vector<Peer> peers = other ? std::vector{other->peer} : find_peers(line);
+  const std::vector<Peer> peers = other ? std::vector{other->peer} : find_peers(line, check.hosts);
   if (daemon.stopping()) return false;
   std::vector<Measurement> measured;
   for (const Peer& peer : peers) {
@@ -141,6 +144,7 @@ bool measure_lines(Netcheck& check, ProbeSocket& socket, const BusConfig& config
 int check_network(const RigOptions& rig_options, const Options& options) {
   Netcheck check{
       .rig = rig_options.load(), .rig_words = rig_words(rig_options), .alone = options.local};
+  if (!options.local) check.hosts = static_cast<std::size_t>(options.hosts);
   check.port = probe_port(check.rig, options);
   const BusConfig config = probe_config(check.rig, check.port);
   Daemon daemon("netcheck");
@@ -222,6 +226,15 @@ int main(int argc, char** argv) {
       ->type_name("S")
       ->capture_default_str()
       ->check(gyrotwin::finite_within(0.01, 600.0).description(""));
+  app.add_option("--hosts", options.hosts,
+                 "So many others must answer; the search ends when they have. Default: any")
+      ->type_name("N")
+      ->check(gyrotwin::finite_within(1.0, 1'000.0).description(""));
+  app.add_option("--patience", options.patience_s,
+                 "How long to wait for whoever may still answer, at first and at the end [s]")
+      ->type_name("S")
+      ->capture_default_str()
+      ->check(gyrotwin::finite_within(0.1, 60.0).description(""));
   app.add_option("--port", options.port,
                  "UDP port of the pings, the same on all hosts; default: network.port + 1000")
       ->type_name("PORT")

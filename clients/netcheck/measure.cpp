@@ -10,13 +10,10 @@
 namespace gyrotwin::netcheck {
 namespace {
 
-constexpr std::int64_t kSearchNs = 1'000'000'000;
 constexpr std::int64_t kAskAgainNs = 50'000'000;
-// What is not back by then has long been replaced by something newer.
-constexpr std::int64_t kLingerNs = 500'000'000;
-// Long enough for 60 questions: of a line that loses half of them, both ways, 1 in 10^7 runs gets
-// no answer.
-constexpr std::int64_t kAccountNs = 3'000'000'000;
+// The account is waited for longer. With a patience of a second that is 60 questions: of a line
+// that loses half of them, both ways, 1 in 10^7 runs gets no answer.
+constexpr std::int64_t kAccountPatience = 3;
 
 /// Hands arrivals to `take` until `deadline_ns`, or until `done()`.
 template <class Take, class Done>
@@ -59,7 +56,7 @@ class Run {
     const std::int64_t dropped_before = line_.socket.counters().kernel_dropped;
     const std::int64_t wall_ahead = wall_ns() - line_.clock.now_ns();
     ping();
-    listen_until(line_, line_.clock.now_ns() + kLingerNs, taker(),
+    listen_until(line_, line_.clock.now_ns() + line_.patience_ns, taker(),
                  [&] { return answered_ == measured_.trips.size() || line_.stopping(); });
     measured_.clock_step_ns = wall_ns() - line_.clock.now_ns() - wall_ahead;
     ask_for_account();
@@ -123,7 +120,8 @@ class Run {
 
   void ask_for_account() {
     ask(
-        line_, {.session = session_, .target = peer_.answerer}, kAccountNs,
+        line_, {.session = session_, .target = peer_.answerer},
+        kAccountPatience * line_.patience_ns,
         [&](const Report& report, const Arrival&) {
           if (report.answerer == peer_.answerer) measured_.there = report;
         },
@@ -143,15 +141,15 @@ class Run {
 
 }  // namespace
 
-std::vector<Peer> find_peers(const Line& line) {
+std::vector<Peer> find_peers(const Line& line, std::size_t enough) {
   std::vector<Peer> peers;
   ask(
-      line, {.session = random_id()}, kSearchNs,
+      line, {.session = random_id()}, line.patience_ns,
       [&](const Report& report, const Arrival& arrival) {
         if (std::ranges::find(peers, report.answerer, &Peer::answerer) != peers.end()) return;
         peers.push_back({report.answerer, address_text(arrival.from), report.facts});
       },
-      [] { return false; });
+      [&] { return enough > 0 && peers.size() >= enough; });
   std::ranges::sort(peers, {}, &Peer::address);
   return peers;
 }

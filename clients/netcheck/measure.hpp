@@ -1,6 +1,7 @@
 // This end: who answers, and how well.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -24,11 +25,13 @@ struct Line {
   ProbeSocket& socket;
   Clock& clock;
   std::function<bool()> stopping;
+  std::int64_t patience_ns;  ///< how long to wait for what may still come, once all is sent
 };
 
-/// Asks everybody for a second, several times in case some of it is lost. In the order of
-/// addresses.
-std::vector<Peer> find_peers(const Line& line);
+/// Asks everybody, several times in case some of it is lost, for as long as patience lasts or until
+/// `enough` have answered. In the order of addresses.
+/// @param enough 0: nobody knows how many there are
+std::vector<Peer> find_peers(const Line& line, std::size_t enough);
 
 /// Pings at absolute deadlines, waits for what is still on its way, asks for the other's account.
 /// A deadline that was slept through is given up, as an owner does. Ends early when stopping.

@@ -177,6 +177,9 @@ std::string report_text(const Netcheck& check) {
     if (&line != &check.lines.front()) text += "\n" + std::string(kColumns, '-') + "\n";
     text += line_text(check, line);
   }
+  if (!check.complete()) {
+    text += fmt::format("\nNOT GOOD: {} of {} hosts answered\n", check.lines.size(), check.hosts);
+  }
   return text + advice_text(check);
 }
 

@@ -107,6 +107,7 @@ std::string report_json(const Netcheck& check) {
             {"port", check.port},
             {"signed", check.rig.network.sign},
             {"alone", check.alone},
+            {"complete", check.complete()},
             {"good", check.good()}};
   json["broken"] = check.broken.empty() ? Json(nullptr) : Json(check.broken);
   json["here"] = host_json(check.here, check.address);

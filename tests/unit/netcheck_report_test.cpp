@@ -184,6 +184,17 @@ TEST(Advice, GuessesWhyNobodyAnswers) {
   EXPECT_FALSE(check.good());
 }
 
+TEST(Report, IsNotGoodWhereAHostIsMissing) {
+  Netcheck check = checked(steady());
+  check.hosts = 1;
+  EXPECT_TRUE(check.good());
+  check.hosts = 2;
+  EXPECT_FALSE(check.good());
+  EXPECT_FALSE(advice_about(check, "nobody listens there").empty());
+  EXPECT_TRUE(contains(report_text(check), "\nNOT GOOD: 1 of 2 hosts answered\n"));
+  EXPECT_EQ(nlohmann::json::parse(report_json(check))["complete"], false);
+}
+
 TEST(Report, FitsInEightyColumns) {
   Measurement m = steady();
   for (Trip& trip : m.trips) trip.lateness = 123'456'789;
