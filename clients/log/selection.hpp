@@ -14,8 +14,9 @@ namespace gyrotwin {
 /// Channels and a stretch of time, as on the command line.
 struct Selection {
   std::vector<std::string> channels;  ///< whole names, or ends of them behind a `/`; none: all
-  double from_s = 0.0;                ///< since the first message
-  double to_s = 1e12;                 ///< likewise; included
+  /// Since the first message [s]; those behind it may have been stamped before it.
+  double from_s = -1e12;
+  double to_s = 1e12;  ///< likewise; included
 };
 
 /// Picks messages from a log that is read from its start.

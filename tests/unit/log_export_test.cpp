@@ -14,6 +14,7 @@
 #include "clients/common/file_text.hpp"
 #include "clients/log/export.hpp"
 #include "clients/log/export_field.hpp"
+#include "clients/log/selection.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
 #include "tests/support/small_log.hpp"
@@ -109,6 +110,15 @@ TEST(TableField, HasEveryElementWithItsNameAndUnit) {
                                       "m[1][1]", "y[0].a", "y[0].b[0]", "y[0].b[1]", "y[1].a",
                                       "y[1].b[0]", "y[1].b[1]", "word"}));
   EXPECT_EQ(units, (std::vector<std::string>{"", "", "N m or V", "", "", "", "", ""}));
+}
+
+TEST(Picker, TakesWhatWasStampedBeforeTheFirst) {
+  Picker all({}), later({.channels = {}, .from_s = 0.0});
+  const LogEvent first{.number = 0, .time_us = 1000, .channel = "R/LIVE/STATE", .data = {}};
+  const LogEvent next{.number = 1, .time_us = 999, .channel = "R/LIVE/SENSORS", .data = {}};
+  for (Picker* picker : {&all, &later}) EXPECT_TRUE(picker->takes(first));
+  EXPECT_TRUE(all.takes(next));
+  EXPECT_FALSE(later.takes(next));
 }
 
 TEST_F(LogExport, TakesChannelsTimesAndEveryNth) {
