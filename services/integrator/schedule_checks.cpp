@@ -119,7 +119,9 @@ bool felt(const model::Machine& machine, const model::Input& input) {
 
 double total_mass(const model::Machine& machine) {
   double mass = 0.0;
-  for (const model::Body& body : machine.tree.bodies()) mass += body.mass;
+  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
+    mass += machine.tree.mass(static_cast<int>(b));
+  }
   return mass;
 }
 

@@ -60,8 +60,7 @@ void Prediction::calm_down(const Motion& motion, const State& state,
 /// unknown moment is reckoned for the model's inertia: that it does little says nothing of inertia.
 Coordinates Prediction::accelerate(const State& state, const model::RotorSpeeds& rotor_rate,
                                    Motion& motion) noexcept {
-  model::evaluate(machine_, state, input_, motion);
-  if (machine_.rotor_drive) model::add_rotor_reactions(machine_.tree, rotor_rate, motion);
+  model::evaluate(machine_, state, input_, rotor_rate, motion);
   for (int i = 0; i < 2; ++i) {
     const int tilt = machine_.layout.tilt[i];
     if (tilt == model::kFixed) continue;

@@ -23,9 +23,9 @@ void add_mass(const Machine& machine, const PointMass& added, MotionOf<S>& motio
 
 template <class S>
 void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,
-              MotionOf<S>& motion) noexcept {
+              const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
   const Vector3d weight(0.0, 0.0, machine.gravity);
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed,
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed, rotor_rate},
                         {input.ground_acceleration + weight, input.yaw_rate}, motion);
   for (const PointMass& added : input.added) {
     if (added.mass != 0.0) add_mass(machine, added, motion);
@@ -33,27 +33,15 @@ void evaluate(const Machine& machine, const StateOf<S>& state, const Input& inpu
 }
 
 template <class S>
-void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, MotionOf<S>& motion) noexcept {
-  const auto& bodies = tree.bodies();
-  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
-    if (bodies[b].rotor_index < 0) continue;
-    const FrameOf<S>& frame = motion.frame[b];
-    const Vector3<S> moment = frame.R * (bodies[b].rotor * rate[bodies[b].rotor_index]);
-    for (int i : tree.angular(b)) motion.f[i] -= frame.Jw[i].dot(moment);
-  }
-}
-
-template <class S>
 CoordinatesOf<S> accelerate(const Machine& machine, const StateOf<S>& state, const Input& input,
                             const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
-  evaluate(machine, state, input, motion);
-  if (machine.rotor_drive) add_rotor_reactions(machine.tree, rotor_rate, motion);
+  evaluate(machine, state, input, rotor_rate, motion);
   const CoordinatesOf<S> force = motion.f + all_forces(machine, motion, state, input);
   return solve(motion.M, force, machine.coordinates());
 }
 
-template void evaluate(const Machine&, const State&, const Input&, Motion&) noexcept;
-template void add_rotor_reactions(const Tree&, const RotorSpeeds&, Motion&) noexcept;
+template void evaluate(const Machine&, const State&, const Input&, const RotorSpeeds&,
+                       Motion&) noexcept;
 template Coordinates accelerate(const Machine&, const State&, const Input&, const RotorSpeeds&,
                                 Motion&) noexcept;
 template CoordinatesOf<Dual> accelerate(const Machine&, const StateOf<Dual>&, const Input&,

@@ -6,14 +6,10 @@
 
 namespace gyrotwin::model {
 
-/// M and f with everything but the reaction of rotors that change their speed.
+/// M and f. @param rotor_rate n' of the rotors [rad/s^2]
 template <class S>
 void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,
-              MotionOf<S>& motion) noexcept;
-
-/// The moments that change the rotors' speeds are taken from the gyros' frames.
-template <class S>
-void add_rotor_reactions(const Tree& tree, const RotorSpeeds& rate, MotionOf<S>& motion) noexcept;
+              const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept;
 
 /// q'' [rad/s^2], and the motion it came from.
 template <class S>

@@ -45,8 +45,9 @@ S disc_spin(const Machine& machine, const MotionOf<S>& motion) {
   return (disc.omega - motion.frame[0].omega).dot(disc.R.col(2));
 }
 
+/// Moment of the bushing on the disc.
 template <class S>
-void add_bushing(const Machine& machine, const MotionOf<S>& motion, CoordinatesOf<S>& Q) {
+Vector3<S> bushing_moment(const Machine& machine, const MotionOf<S>& motion) {
   const TiltBushing& bushing = machine.bushing;
   const FrameOf<S>& disc = motion.frame[machine.disc_body];
   const FrameOf<S>& structure = motion.frame[0];
@@ -56,16 +57,14 @@ void add_bushing(const Machine& machine, const MotionOf<S>& motion, CoordinatesO
   const S spin = omega.dot(z_D);
   const Vector3<S> standing = omega - spin * z_D;  // tilt rate seen from the structure
   const Vector3<S> rotating = standing - spin * z_D.cross(tilt);  // and from the spinning disc
-  const Vector3<S> on_disc = -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
-                             bushing.standing_damping * standing +
-                             bushing.rotating_damping * rotating.dot(z_D.cross(tilt)) * z_D;
-  add_pair(machine, motion, on_disc, Q);
+  return -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
+         bushing.standing_damping * standing +
+         bushing.rotating_damping * rotating.dot(z_D.cross(tilt)) * z_D;
 }
 
 template <class S>
-S disc_friction(const Machine& machine, const MotionOf<S>& motion) {
+S disc_friction(const Machine& machine, const S& spin) {
   using std::tanh;
-  const S spin = disc_spin(machine, motion);
   return -machine.disc_friction.viscous * spin -
          machine.disc_friction.coulomb * tanh(spin / DiscFriction::kCreep);
 }
@@ -82,48 +81,26 @@ S load_cell_force(const LoadCell& cell, const StructurePoint<S>& point, double y
   return cell.stiffness * compression(cell, point) + cell.damping * cell.direction.dot(v_rel);
 }
 
-/// Everything in Q but contact and load cell.
+/// All that disc and structure do to each other.
 template <class S>
-CoordinatesOf<S> applied_forces(const Machine& machine, const MotionOf<S>& motion,
-                                const StateOf<S>& state, const Input& input) {
-  const int n = machine.coordinates();
-  CoordinatesOf<S> Q = CoordinatesOf<S>::Zero();
-  for (int i = 0; i < n; ++i) Q[i] = -machine.damping[i] * state.v[i];
-  for (const Stop& stop : machine.stops) {
-    Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
-  }
-
-  // External wrench on the structure.
-  const FrameOf<S>& structure = motion.frame[0];
-  const Vector3<S> arm = structure.R * machine.push_point;
-  const Vector3<S> moment = input.moment + arm.cross(input.force);
-  for (int i : machine.tree.linear(0)) Q[i] += structure.Jv[i].dot(input.force);
-  for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
-
-  // Friction, bushing and drives.
-  S disc_torque = 0.0;
-  if (machine.disc_body != kFixed) {
-    disc_torque = disc_friction(machine, motion);
-    const TiltBushing& b = machine.bushing;
-    if (b.stiffness != 0.0 || b.rotating_damping != 0.0 || b.standing_damping != 0.0) {
-      add_bushing(machine, motion, Q);
-    }
-  }
+void add_disc_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
+                     const Input& input, CoordinatesOf<S>& Q) {
+  const S spin = disc_spin(machine, motion);
+  S along_axis = disc_friction(machine, spin);
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {
     const Drive& drive = machine.drives[i];
-    const S rate = rate_of(machine, motion, drive, state);
-    const S torque = input.drive_strength[i] * drive.torque(input.mode, input.drive[i], rate);
-    if (drive.kind == Drive::Kind::kDisc) {
-      disc_torque += torque;
-    } else {
-      Q[drive.coordinate] += torque;
-    }
+    if (drive.kind != Drive::Kind::kDisc) continue;
+    along_axis += input.drive_strength[i] * drive.torque(input.mode, input.drive[i], spin);
   }
-  if (machine.disc_body != kFixed) {
-    const Vector3<S> on_disc = disc_torque * motion.frame[machine.disc_body].R.col(2);
-    add_pair(machine, motion, on_disc, Q);
+  Vector3<S> in_disc_axes = Vector3<S>::Zero();
+  if (machine.track) in_disc_axes = add_contact(machine, motion, state, Q);
+  in_disc_axes.z() += along_axis;
+  Vector3<S> moment = motion.frame[machine.disc_body].R * in_disc_axes;
+  const TiltBushing& b = machine.bushing;
+  if (b.stiffness != 0.0 || b.rotating_damping != 0.0 || b.standing_damping != 0.0) {
+    moment += bushing_moment(machine, motion);
   }
-  return Q;
+  add_pair(machine, motion, moment, Q);
 }
 
 }  // namespace
@@ -171,8 +148,26 @@ double load_cell_force(const Machine& machine, const Motion& motion, const Input
 template <class S>
 CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
                             const StateOf<S>& state, const Input& input) noexcept {
-  CoordinatesOf<S> Q = applied_forces(machine, motion, state, input);
-  if (machine.track) add_contact(machine, motion, Q);
+  CoordinatesOf<S> Q = CoordinatesOf<S>::Zero();
+  for (int i = 0; i < machine.coordinates(); ++i) Q[i] = -machine.damping[i] * state.v[i];
+  for (const Stop& stop : machine.stops) {
+    Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
+  }
+  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
+    const Drive& drive = machine.drives[i];
+    if (drive.kind != Drive::Kind::kGimbal) continue;
+    const S torque = drive.torque(input.mode, input.drive[i], state.v[drive.coordinate]);
+    Q[drive.coordinate] += input.drive_strength[i] * torque;
+  }
+  if (machine.disc_body != kFixed) add_disc_forces(machine, motion, state, input, Q);
+
+  // External wrench on the structure.
+  const FrameOf<S>& structure = motion.frame[0];
+  const Vector3<S> arm = structure.R * machine.push_point;
+  const Vector3<S> moment = input.moment + arm.cross(input.force);
+  for (int i : machine.tree.linear(0)) Q[i] += structure.Jv[i].dot(input.force);
+  for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
+
   if (machine.load_cell) {
     const LoadCell& cell = *machine.load_cell;
     const StructurePoint<S> point = structure_point(machine, motion, cell.point);
@@ -197,13 +192,10 @@ double spring_energy(const Machine& machine, const Motion& motion, const State& 
         compression(*machine.load_cell, structure_point(machine, motion, machine.load_cell->point));
     V += 0.5 * machine.load_cell->stiffness * x * x;
   }
-  if (!machine.track) return V;
-  const auto& bodies = machine.tree.bodies();
-  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
-    if (bodies[b].rotor_index < 0) continue;
-    const TipMotion<double> tip = tip_motion(*machine.track, motion, b);
-    V += contact_energy(*machine.track, lower_indentation(*machine.track, motion, tip)) +
-         contact_energy(*machine.track, upper_indentation(*machine.track, motion, tip));
+  if (machine.track) {
+    visit_tips(machine, motion, state, [&](const Gyro&, const TipOf<double>& tip) {
+      V += contact_energy(*machine.track, tip.lower) + contact_energy(*machine.track, tip.upper);
+    });
   }
   return V;
 }

@@ -1,8 +1,8 @@
 #include "services/model/gimballed.hpp"
 
-#include <numbers>
-
 namespace gyrotwin::model {
+
+using Eigen::Vector3d;
 
 namespace {
 
@@ -12,28 +12,25 @@ int gyros_of(Arrangement arrangement) {
   return arrangement == Arrangement::kSingle ? 1 : arrangement == Arrangement::kPair ? 2 : 4;
 }
 
-/// Body x axis: the spin axis at speed > 0; `alignment` turns the chassis' x axis there at q = 0.
-Body gyro_body(const GimballedParameters& p, int index, const Rotation& gimbal,
-               const Rotation& alignment, double direction) {
-  Body body;
-  body.position_parent = kChassis;
-  body.orientation_parent = kChassis;
-  body.pivot = {0.0, 0.0, p.structure.cm_height};
-  body.rotations = {gimbal, alignment};
-  body.mass = p.gyros.mass;
-  body.inertia = {p.gyros.inertia_axial, p.gyros.inertia_transverse, p.gyros.inertia_transverse};
-  body.rotor = {direction * p.gyros.rotor_inertia, 0.0, 0.0};
-  body.rotor_index = index;
-  return body;
+/// Its hinge is across `axis` and `raised`, at the height of the chassis' cm.
+Gyro gyro_of(const GimballedParameters& p, int index, const Vector3d& axis,
+             const Vector3d& raised) {
+  const auto& g = p.gyros;
+  return {.pivot = {0.0, 0.0, p.structure.cm_height},
+          .axis = axis,
+          .raised = raised,
+          .mass = g.mass,
+          .cm_distance = 0.0,
+          .axial_inertia = g.inertia_axial,
+          .planar_inertia = g.inertia_transverse,
+          .rotor_inertia = g.rotor_inertia,
+          .rotor_index = index};
 }
 
 }  // namespace
 
 Machine build(const GimballedParameters& p) {
-  constexpr double kQuarterTurn = std::numbers::pi / 2.0;
-  const Rotation to_y{Axis::kZ, kFixed, 1.0, kQuarterTurn};
-  const Rotation to_x{Axis::kZ, kFixed, 1.0, 0.0};
-  const Rotation to_z{Axis::kY, kFixed, 1.0, -kQuarterTurn};
+  const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   const int gyros = gyros_of(p.arrangement);
   const bool two_axes = p.arrangement == Arrangement::kTwoPairs;
 
@@ -54,23 +51,26 @@ Machine build(const GimballedParameters& p) {
   chassis.cm = {0.0, 0.0, zc};
   chassis.inertia = {inertia, inertia, p.structure.inertia_yaw_ratio * inertia};
 
-  std::vector<Body> bodies{chassis};
+  std::vector<Gimbal> gimbals;
   const int first = two_axes ? 2 : 1;
   if (p.arrangement == Arrangement::kSingle) {
-    bodies.push_back(gyro_body(p, 0, {Axis::kY, first}, to_z, 1.0));
+    gimbals.emplace_back(kChassis, first, std::vector{gyro_of(p, 0, z, x)});
     layout.gimbals = {{first, 1.0}};
   } else {
-    for (int j = 0; j < gyros; ++j) {
-      const int pair = j / 2;
-      const double sense = j % 2 == 0 ? 1.0 : -1.0;  // counter-rotating, geared 1 : -1
-      bodies.push_back(
-          gyro_body(p, j, {Axis::kZ, first + pair, sense}, pair == 0 ? to_y : to_x, sense));
-      layout.gimbals.push_back({first + pair, sense});
+    // Counter-rotating, geared 1 : -1.
+    gimbals.emplace_back(kChassis, first, std::vector{gyro_of(p, 0, y, -x), gyro_of(p, 1, -y, -x)});
+    if (two_axes) {
+      gimbals.emplace_back(kChassis, first + 1,
+                           std::vector{gyro_of(p, 2, x, y), gyro_of(p, 3, -x, y)});
+    }
+    for (const Gimbal& gimbal : gimbals) {
+      layout.gimbals.push_back({gimbal.coordinate(), 1.0});
+      layout.gimbals.push_back({gimbal.coordinate(), -1.0});
     }
   }
 
   const int drives = gyros == 4 ? 2 : 1;
-  Machine machine{Tree(std::move(bodies), first + drives), layout};
+  Machine machine{Tree({chassis}, std::move(gimbals), first + drives), layout};
   machine.rotors = gyros;
   for (int j = 0; j < gyros; ++j) machine.nominal_rotor_speed[j] = p.gyros.rotor_speed;
   machine.push_point = {0.0, 0.0, zc};

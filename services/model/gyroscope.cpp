@@ -35,7 +35,7 @@ Machine build(const GyroscopeParameters& p) {
   layout.gimbals = {{kElevation, 1.0}};
 
   const GyroscopeParameters::Gyro& g = p.gyro;
-  Machine machine{Tree({axle_body(g), post_body(g)}, 2), layout};
+  Machine machine{Tree({axle_body(g), post_body(g)}, {}, 2), layout};
   machine.rotors = 1;
   machine.nominal_rotor_speed[0] = g.rotor_speed;
   machine.push_point = {g.axle_length, 0.0, 0.0};

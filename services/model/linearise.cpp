@@ -18,7 +18,7 @@ CoordinatesOf<Dual> along(const Machine& machine, const StateOf<Dual>& state, co
 void differentiate_by_torque(const Machine& machine, const State& state, const Input& input,
                              Linearisation& about) {
   Motion motion;
-  evaluate(machine, state, input, motion);
+  evaluate(machine, state, input, {}, motion);
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {
     const Coordinates unit = drive_direction(machine, motion, machine.drives[i]);
     about.torque.col(static_cast<int>(i)) = solve(motion.M, unit, machine.coordinates());

@@ -16,8 +16,8 @@ namespace {
 
 /// The machine alone, on a support at rest.
 void evaluate(const Machine& machine, const State& state, Motion& motion) {
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d(0.0, 0.0, machine.gravity)},
-                        motion);
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed},
+                        {Vector3d(0.0, 0.0, machine.gravity)}, motion);
 }
 
 /// M v with the lower triangle of M.
@@ -41,42 +41,37 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   };
   State lifted{lift(state.q), lift(state.v), state.rotor_speed};
   Motion motion;
-  evaluate(free, lifted, input, motion);
-  add_rotor_reactions(free.tree, rotor_rate, motion);
+  evaluate(free, lifted, input, rotor_rate, motion);
   const Coordinates missing = times(motion, lift(acceleration), free.coordinates()) - motion.f -
                               all_forces(free, motion, lifted, input);
   return {missing[free.layout.disc_tilt[0]], missing[free.layout.disc_tilt[1]]};
 }
 
-void add_contact_forces(const Machine& machine, const Motion& motion, Truth& truth) {
-  const auto& bodies = machine.tree.bodies();
-  const Track& track = *machine.track;
-  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
-    const int j = bodies[b].rotor_index;
-    if (j < 0) continue;
-    const TipMotion<double> tip = tip_motion(track, motion, b);
-    truth.contact_lower[j] = normal_force(track, lower_indentation(track, motion, tip));
-    truth.contact_upper[j] = normal_force(track, upper_indentation(track, motion, tip));
-  }
+void add_contact_forces(const Machine& machine, const Motion& motion, const State& state,
+                        Truth& truth) {
+  visit_tips(machine, motion, state, [&](const Gyro& gyro, const TipOf<double>& tip) {
+    truth.contact_lower[gyro.rotor_index] = normal_force(*machine.track, tip.lower);
+    truth.contact_upper[gyro.rotor_index] = normal_force(*machine.track, tip.upper);
+  });
 }
 
 /// Energy in the gravity field of everything, and angular momentum about the ground pivot.
 void add_bodies(const Machine& machine, const Motion& motion, const Input& input, Truth& truth) {
-  const auto add = [&](double mass, const Vector3d& p, const Vector3d& v) {
-    truth.potential_energy += mass * machine.gravity * p.z();
-    truth.angular_momentum += mass * p.cross(v);
-  };
-  const auto& bodies = machine.tree.bodies();
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
+  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
     const Frame& frame = motion.frame[b];
-    const Vector3d spin = bodies[b].inertia.cwiseProduct(frame.R.transpose() * frame.omega);
-    add(bodies[b].mass, motion.p_cm[b], motion.v_cm[b]);
-    truth.angular_momentum += frame.R * (spin + motion.h[b]);
+    const auto& momenta = motion.momenta[b];
+    const double mass = machine.tree.mass(static_cast<int>(b));
+    const Vector3d first = frame.R * momenta.first_moment;
+    const Vector3d momentum = mass * frame.v + frame.omega.cross(first) + frame.R * momenta.swing;
+    truth.potential_energy += machine.gravity * (mass * frame.p + first).z();
+    truth.angular_momentum +=
+        frame.p.cross(momentum) + first.cross(frame.v) + frame.R * momenta.angular;
   }
   for (const PointMass& added : input.added) {
     if (added.mass == 0.0) continue;
     const StructurePoint<double> point = structure_point(machine, motion, added.position);
-    add(added.mass, point.p, point.v);
+    truth.potential_energy += added.mass * machine.gravity * point.p.z();
+    truth.angular_momentum += added.mass * point.p.cross(point.v);
   }
 }
 
@@ -136,10 +131,8 @@ Coordinates Machine::acceleration(const State& state, const Input& input,
 RotorSpeeds Machine::rotor_acceleration(const State& state, const Input& input) const noexcept {
   RotorSpeeds rate{};
   if (!rotor_drive) return rate;
-  for (const Body& body : tree.bodies()) {
-    const int j = body.rotor_index;
-    if (j < 0) continue;
-    const double Ia = body.rotor.norm();
+  for (int j = 0; j < rotors; ++j) {
+    const double Ia = tree.rotor_inertia(j);
     const double n = state.rotor_speed[j];
     const double drag = rotor_drive->drag(n);
     const double wanted = Ia * (nominal_rotor_speed[j] - n) / rotor_drive->time_constant + drag;
@@ -223,14 +216,14 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
     const Coordinates acceleration = accelerate(*this, state, input, rotor_rate, motion);
     truth.holding_moment = holding_moment(*this, state, acceleration, rotor_rate, input);
   } else {
-    evaluate(*this, state, input, motion);
+    evaluate(*this, state, input, {}, motion);
   }
 
   truth.kinetic_energy = 0.5 * state.v.dot(times(motion, state.v, coordinates()));
   add_bodies(*this, motion, input, truth);
   truth.potential_energy += spring_energy(*this, motion, state);
   truth.load_cell = load_cell_force(*this, motion, input);
-  if (track) add_contact_forces(*this, motion, truth);
+  if (track) add_contact_forces(*this, motion, state, truth);
 
   truth.gimbal_margin = gimbal_margin(state);
   for (std::size_t i = 0; i < drives.size(); ++i) {
@@ -258,7 +251,7 @@ Coordinates Machine::generalised_momentum(const State& state) const noexcept {
   evaluate(*this, state, motion);
   Coordinates p = times(motion, state.v, coordinates());
   for (int b = 0; b < static_cast<int>(tree.bodies().size()); ++b) {
-    const Vector3d h = motion.frame[b].R * motion.h[b];
+    const Vector3d h = motion.frame[b].R * motion.momenta[b].rotors;
     for (int i : tree.angular(b)) p[i] += motion.frame[b].Jw[i].dot(h);
   }
   return p;

@@ -6,22 +6,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/model/dual.hpp"
+#include "services/model/gimbal.hpp"
 
 namespace gyrotwin::model {
 
 inline constexpr int kMaxCoordinates = 6;
-inline constexpr int kMaxBodies = 6;
-inline constexpr int kMaxRotors = 4;
+inline constexpr int kMaxBodies = 2;
 
 /// "No body": the ground as a parent. "No coordinate": a rotation by a constant angle.
 inline constexpr int kGround = -1;
 inline constexpr int kFixed = -1;
-
-// What depends on coordinates and rates is written for a scalar S: double, or Dual for its
-// derivative along a direction.
-template <class S>
-using Vector3 = Eigen::Matrix<S, 3, 1>;
 
 /// Generalised coordinates or rates; entries beyond the machine's coordinates are 0.
 template <class S>
@@ -33,12 +27,11 @@ using MassMatrix = MassMatrixOf<double>;
 
 enum class Axis : std::uint8_t { kX = 0, kY = 1, kZ = 2 };
 
-/// A turn by `offset + coefficient * q[coordinate]` [rad] about an axis of the frame reached so
-/// far. The coefficient is the gearing; several bodies may share a coordinate.
+/// A turn by `offset + sense * q[coordinate]` [rad] about an axis of the frame reached so far.
 struct Rotation {
   Axis axis = Axis::kZ;
   int coordinate = kFixed;
-  double coefficient = 1.0;
+  double sense = 1.0;  ///< 1 or -1
   double offset = 0.0;
 };
 
@@ -89,57 +82,78 @@ struct FrameOf {
 };
 using Frame = FrameOf<double>;
 
+/// Momenta of one body with its gyros, about its pivot and in its axes.
+template <class S>
+struct MomentaOf {
+  Vector3<S> first_moment;  ///< sum m r [kg m]
+  Vector3<S> swing;         ///< momentum of the gyros' turning on their gimbals [kg m/s]
+  Vector3<S> angular;       ///< as seen from the moving pivot [N m s]
+  Vector3<S> rotors;        ///< what the rotors' speeds are of that [N m s]
+};
+
 /// What one evaluation leaves: M q'' = f + Q, and the motion it came from.
 template <class S>
 struct MotionOf {
+  std::array<S, kMaxCoordinates> cos_q, sin_q;
   std::array<FrameOf<S>, kMaxBodies> frame;
-  std::array<Vector3<S>, kMaxBodies> p_cm;    ///< centres of mass, world [m]
-  std::array<Vector3<S>, kMaxBodies> v_cm;    ///< their velocities [m/s]
-  std::array<Eigen::Vector3d, kMaxBodies> h;  ///< rotor momentum, body axes [N m s]
-  MassMatrixOf<S> M;                          ///< symmetric, only the lower triangle is filled
-  CoordinatesOf<S> f;                         ///< inertial, gyroscopic and gravity terms [N m]
+  std::array<MomentaOf<S>, kMaxBodies> momenta;
+  MassMatrixOf<S> M;   ///< symmetric, only the lower triangle is filled
+  CoordinatesOf<S> f;  ///< inertial, gyroscopic and gravity terms [N m]
 };
 using Motion = MotionOf<double>;
 
-using RotorSpeeds = std::array<double, kMaxRotors>;
-
-/// Bodies joined by revolute joints whose angles are linear in the coordinates.
+/// Bodies joined by revolute joints whose angles are coordinates, and gyros on gimbals that the
+/// bodies carry.
 class Tree {
  public:
   /// Parents must come before their children.
-  /// @throws std::invalid_argument naming the body that breaks this or a capacity.
-  Tree(std::vector<Body> bodies, int coordinates);
+  /// @throws std::invalid_argument naming the body or gimbal that breaks this or a capacity.
+  Tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals, int coordinates);
 
   int coordinates() const { return n_; }
   const std::vector<Body>& bodies() const { return bodies_; }
+  const std::vector<Gimbal>& gimbals() const { return gimbals_; }
+
+  /// Of a body with its gyros [kg].
+  double mass(int body) const { return resolved_[body].moments.mass; }
+  /// Of a rotor about its axis [kg m^2].
+  double rotor_inertia(int rotor) const { return rotor_inertia_[rotor]; }
 
   /// Coordinates that move a body's pivot / turn the body.
   const IndexList& linear(int body) const { return resolved_[body].linear; }
   const IndexList& angular(int body) const { return resolved_[body].angular; }
 
-  /// Fills `motion` at (q, v) [rad, rad/s]; rotor speeds [rad/s], constant at the moment. Does not
-  /// allocate.
+  /// Fills `motion` at (q, v) [rad, rad/s]. Does not allocate.
   template <class S>
-  void evaluate(const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,
-                const RotorSpeeds& rotor_speed, const Support& support,
-                MotionOf<S>& motion) const noexcept;
+  void evaluate(const CoordinatesOf<S>& q, const CoordinatesOf<S>& v, const Rotors& rotors,
+                const Support& support, MotionOf<S>& motion) const noexcept;
 
  private:
   struct ResolvedRotation {
     Axis axis;
     int coordinate;
-    double coefficient;
-    double offset;
-    double sin, cos;  // of the offset, for a fixed rotation
+    double sense;
+    double sin, cos;  // of the offset
   };
   struct ResolvedBody {
-    IndexList linear, angular, only_angular, linear_cm;
+    IndexList linear, angular;
     std::array<ResolvedRotation, 4> rotation;
     int rotations = 0;
-    bool cm_at_pivot = true;
+    MassMoments moments;  // with what of its gyros does not vary
   };
+  void resolve(int b);
+  void carry(const Gimbal& gimbal);
+  template <class S>
+  void move(int b, const CoordinatesOf<S>& v, const Support& support,
+            MotionOf<S>& motion) const noexcept;
+  template <class S>
+  void load(int b, const CoordinatesOf<S>& v, const Rotors& rotors,
+            MotionOf<S>& motion) const noexcept;
+
   std::vector<Body> bodies_;
+  std::vector<Gimbal> gimbals_;
   std::array<ResolvedBody, kMaxBodies> resolved_;
+  RotorSpeeds rotor_inertia_{};
   int n_;
 };
 

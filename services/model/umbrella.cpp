@@ -6,6 +6,8 @@
 
 namespace gyrotwin::model {
 
+using Eigen::Vector3d;
+
 namespace {
 
 constexpr int kStructure = 0;
@@ -57,30 +59,30 @@ Body disc_body(const UmbrellaParameters& p, const Layout& layout) {
   return body;
 }
 
-/// Body x axis: the spin axis s_j, outward. Raising the outer end is a turn about -e_t.
-Body gyro_body(const UmbrellaParameters::Gyros& g, int j, int elevation) {
+/// On the disc: spin axis s_j = cos tg e_r + sin tg e_z.
+Gyro gyro_of(const UmbrellaParameters::Gyros& g, int j) {
   const double azimuth = 2.0 * std::numbers::pi * j / g.count;
-  Body body;
-  body.position_parent = kDisc;
-  body.orientation_parent = kDisc;
-  body.pivot = {g.pivot_radius * std::cos(azimuth), g.pivot_radius * std::sin(azimuth),
-                g.pivot_height};
-  body.rotations = {{Axis::kZ, kFixed, 1.0, azimuth}, {Axis::kY, elevation, -1.0}};
-  body.mass = g.mass;
-  body.cm = {g.cm_distance, 0.0, 0.0};
-  body.inertia = {g.inertia_axial, g.inertia_transverse, g.inertia_transverse};
-  body.rotor = {g.rotor_inertia, 0.0, 0.0};
-  body.rotor_index = j;
-  return body;
+  const Vector3d e_r(std::cos(azimuth), std::sin(azimuth), 0.0), e_z = Vector3d::UnitZ();
+  return {.pivot = g.pivot_radius * e_r + g.pivot_height * e_z,
+          .axis = e_r,
+          .raised = e_z,
+          .mass = g.mass,
+          .cm_distance = g.cm_distance,
+          .axial_inertia = g.inertia_axial,
+          .planar_inertia = g.inertia_transverse,
+          .rotor_inertia = g.rotor_inertia,
+          .rotor_index = j};
 }
 
 Machine assemble(const UmbrellaParameters& p) {
   const Layout layout = layout_of(p);
   const int elevation = layout.disc + 1;
-  std::vector<Body> bodies{structure_body(p.structure), disc_body(p, layout)};
-  for (int j = 0; j < p.gyros.count; ++j) bodies.push_back(gyro_body(p.gyros, j, elevation));
+  std::vector<Gyro> gyros;
+  for (int j = 0; j < p.gyros.count; ++j) gyros.push_back(gyro_of(p.gyros, j));
 
-  Machine machine{Tree(std::move(bodies), elevation + 1), layout};
+  Machine machine{Tree({structure_body(p.structure), disc_body(p, layout)},
+                       {Gimbal(kDisc, elevation, std::move(gyros))}, elevation + 1),
+                  layout};
   machine.rotors = p.gyros.count;
   for (int j = 0; j < p.gyros.count; ++j) machine.nominal_rotor_speed[j] = p.gyros.rotor_speed;
   machine.push_point = {0.0, 0.0, p.structure.cm_height};

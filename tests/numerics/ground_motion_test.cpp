@@ -15,6 +15,7 @@ using model::Arrangement;
 using model::Axis;
 using model::Body;
 using model::Coordinates;
+using model::Gimbal;
 using model::Input;
 using model::kGround;
 using model::Machine;
@@ -49,12 +50,16 @@ Tree without(const Tree& tree, int coordinate, double q) {
   std::vector<Body> bodies = tree.bodies();
   for (Body& body : bodies) {
     for (model::Rotation& r : body.rotations) {
-      if (r.coordinate == coordinate)
-        r = {r.axis, model::kFixed, 1.0, r.offset + r.coefficient * q};
+      if (r.coordinate == coordinate) r = {r.axis, model::kFixed, 1.0, r.offset + r.sense * q};
       if (r.coordinate > coordinate) --r.coordinate;
     }
   }
-  return Tree(std::move(bodies), tree.coordinates() - 1);
+  std::vector<Gimbal> gimbals;
+  for (const Gimbal& gimbal : tree.gimbals()) {
+    const int k = gimbal.coordinate();
+    gimbals.emplace_back(gimbal.carrier(), k > coordinate ? k - 1 : k, gimbal.gyros());
+  }
+  return Tree(std::move(bodies), std::move(gimbals), tree.coordinates() - 1);
 }
 
 /// The same bodies with the support's yaw as one coordinate more.
@@ -64,7 +69,7 @@ Tree with_yaw(const Tree& tree) {
     if (body.orientation_parent != kGround) continue;
     body.rotations.insert(body.rotations.begin(), {Axis::kZ, tree.coordinates()});
   }
-  return Tree(std::move(bodies), tree.coordinates() + 1);
+  return Tree(std::move(bodies), tree.gimbals(), tree.coordinates() + 1);
 }
 
 /// A steady turn is a yaw coordinate whose second derivative is kept 0: the rows of all other
@@ -83,11 +88,11 @@ TEST(GroundMotion, TurnIsAYawAtConstantRate) {
       Coordinates q = state.q, v = state.v;
       if (n < machine.coordinates()) q[n] = v[n] = 0.0;
       Motion turning, resting, driven;
-      tree.evaluate(q, v, state.rotor_speed, {Vector3d(0, 0, g), yaw_rate}, turning);
-      tree.evaluate(q, v, state.rotor_speed, {Vector3d(0, 0, g)}, resting);
+      tree.evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g), yaw_rate}, turning);
+      tree.evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g)}, resting);
       q[n] = random.between(-3, 3);
       v[n] = yaw_rate;
-      with_yaw(tree).evaluate(q, v, state.rotor_speed, {Vector3d(0, 0, g)}, driven);
+      with_yaw(tree).evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g)}, driven);
 
       const double f_scale = turning.f.cwiseAbs().maxCoeff();
       const double M_scale = resting.M.diagonal().head(n).maxCoeff();
@@ -134,8 +139,8 @@ TEST(GroundMotion, AccelerationTopplesTheUmbrella) {
                      (p.disc.mass + p.gyros.count * p.gyros.mass) * p.disc.joint_height;
     const Vector3d a(random.between(-5, 5), random.between(-5, 5), 0.0);
     Motion pushed, resting;
-    machine.tree.evaluate(state.q, state.v, state.rotor_speed, {a}, pushed);
-    machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d::Zero()}, resting);
+    machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {a}, pushed);
+    machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d::Zero()}, resting);
     const double sx = std::sin(state.q[0]), cx = std::cos(state.q[0]);
     const double sy = std::sin(state.q[1]), cy = std::cos(state.q[1]);
     Coordinates expected = Coordinates::Zero();
@@ -155,9 +160,9 @@ struct Turn {
 /// What a turn changes, with the support's acceleration `a` to the left.
 Turn turn(const Machine& machine, const State& state, double a, double yaw_rate) {
   Turn t{state, {}, {}};
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d(0, a, 0), yaw_rate},
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d(0, a, 0), yaw_rate},
                         t.turning);
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d::Zero()}, t.resting);
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d::Zero()}, t.resting);
   return t;
 }
 

@@ -162,7 +162,7 @@ TEST(Rotor, RunUpTurnsTheDiscBack) {
     machine.rotor_drive = RotorDrive{1e9, 1e9, 1.0, 1e-5, 1e-2};
     const double n_t = machine.rotor_acceleration(state, switched_off())[0];
     Motion motion;
-    machine.tree.evaluate(state.q, state.v, state.rotor_speed, {{0, 0, model::kGravity}}, motion);
+    machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {{0, 0, model::kGravity}}, motion);
     Coordinates moment = Coordinates::Zero();
     moment[2] = -p.gyros.count * p.gyros.rotor_inertia * n_t * std::sin(state.q[3]);
     const Coordinates expected = held + model::solve(motion.M, moment, 4);
