@@ -29,8 +29,7 @@ std::array<S, 6> inertial(const model::Machine& machine, const model::StateOf<S>
   model::Vector3<S> a = imu.a0;
   for (int i = 0; i < machine.coordinates(); ++i) a += imu.J[i] * acceleration[i];
   const Eigen::Matrix<S, 3, 3> to_imu =
-      Eigen::Matrix3d(sensors.imu_axes().transpose()).template cast<S>() *
-      motion.frame[0].R.transpose();
+      Eigen::Matrix3d(sensors.imu_axes().transpose()).template cast<S>();
   const model::Vector3<S> omega = to_imu * motion.frame[0].omega;
   const model::Vector3<S> force = to_imu * a;
   return {omega[0], omega[1], omega[2], force[0], force[1], force[2]};
@@ -39,7 +38,7 @@ std::array<S, 6> inertial(const model::Machine& machine, const model::StateOf<S>
 double load_cell(const model::Machine& machine, const model::State& state,
                  const model::Input& input) {
   model::Motion motion;
-  model::evaluate(machine, state, input, motion);
+  model::evaluate(machine, state, input, {}, motion);
   return model::load_cell_force(machine, motion, input);
 }
 

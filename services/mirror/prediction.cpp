@@ -117,9 +117,8 @@ void Prediction::sense(const Tick& tick, const Point& x, Channels& expected) noe
   const auto imu = model::structure_point(machine_, motion, imu_position_);
   Eigen::Vector3d a = imu.a0;
   for (int i = 0; i < n; ++i) a += imu.J[i] * acceleration[i];
-  const Eigen::Matrix3d& R = motion.frame[0].R;
-  const Eigen::Vector3d omega = to_imu_ * (R.transpose() * motion.frame[0].omega);
-  const Eigen::Vector3d force = to_imu_ * (R.transpose() * a);
+  const Eigen::Vector3d omega = to_imu_ * motion.frame[0].omega;
+  const Eigen::Vector3d force = to_imu_ * a;
 
   int next = 0;
   for (int i = 0; i < 3; ++i) expected[next++] = omega[i];

@@ -29,33 +29,26 @@ S stop_torque(const Stop& stop, const S& q, const S& v) {
   return -stop.stiffness * (d + kStopDamping * deeper);
 }
 
-/// A moment between disc and structure, on the disc as given, on the structure opposite.
+/// A moment between disc and structure: on the disc as given, in its axes, on the structure
+/// opposite.
 template <class S>
-void add_pair(const Machine& machine, const MotionOf<S>& motion, const Vector3<S>& moment,
-              CoordinatesOf<S>& Q) {
+void add_pair(const Machine& machine, const DiscMotionOf<S>& disc, const MotionOf<S>& motion,
+              const Vector3<S>& moment, CoordinatesOf<S>& Q) {
   for (int i : machine.tree.angular(machine.disc_body)) {
     Q[i] += motion.frame[machine.disc_body].Jw[i].dot(moment);
   }
-  for (int i : machine.tree.angular(0)) Q[i] -= motion.frame[0].Jw[i].dot(moment);
+  const Vector3<S> on_structure = disc.R * moment;
+  for (int i : machine.tree.angular(0)) Q[i] -= motion.frame[0].Jw[i].dot(on_structure);
 }
 
+/// Moment of the bushing on the disc, disc axes.
 template <class S>
-S disc_spin(const Machine& machine, const MotionOf<S>& motion) {
-  const FrameOf<S>& disc = motion.frame[machine.disc_body];
-  return (disc.omega - motion.frame[0].omega).dot(disc.R.col(2));
-}
-
-/// Moment of the bushing on the disc.
-template <class S>
-Vector3<S> bushing_moment(const Machine& machine, const MotionOf<S>& motion) {
-  const TiltBushing& bushing = machine.bushing;
-  const FrameOf<S>& disc = motion.frame[machine.disc_body];
-  const FrameOf<S>& structure = motion.frame[0];
-  const Vector3<S> z_D = disc.R.col(2);
-  const Vector3<S> tilt = structure.R.col(2).cross(z_D);
-  const Vector3<S> omega = disc.omega - structure.omega;
-  const S spin = omega.dot(z_D);
-  const Vector3<S> standing = omega - spin * z_D;  // tilt rate seen from the structure
+Vector3<S> bushing_moment(const TiltBushing& bushing, const DiscMotionOf<S>& disc) {
+  const Vector3<S> z_D = Vector3<S>::UnitZ();
+  const Vector3<S> z_S = disc.R.row(2).transpose();
+  const Vector3<S> tilt = z_S.cross(z_D);
+  const S spin = disc.omega.z();
+  const Vector3<S> standing = disc.omega - spin * z_D;  // tilt rate seen from the structure
   const Vector3<S> rotating = standing - spin * z_D.cross(tilt);  // and from the spinning disc
   return -bushing.stiffness * tilt - bushing.rotating_damping * rotating -
          bushing.standing_damping * standing +
@@ -76,31 +69,32 @@ S compression(const LoadCell& cell, const StructurePoint<S>& point) {
 }
 
 template <class S>
-S load_cell_force(const LoadCell& cell, const StructurePoint<S>& point, double yaw_rate) {
-  const Vector3<S> v_rel = point.v - Vector3d(0.0, 0.0, yaw_rate).cross(point.p);
-  return cell.stiffness * compression(cell, point) + cell.damping * cell.direction.dot(v_rel);
+S load_cell_force(const LoadCell& cell, const StructurePoint<S>& point, const Vector3<S>& direction,
+                  double yaw_rate) {
+  const S carried = Vector3d(0.0, 0.0, yaw_rate).cross(cell.direction).dot(point.p);
+  return cell.stiffness * compression(cell, point) +
+         cell.damping * (direction.dot(point.v) + carried);
 }
 
 /// All that disc and structure do to each other.
 template <class S>
 void add_disc_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
                      const Input& input, CoordinatesOf<S>& Q) {
-  const S spin = disc_spin(machine, motion);
+  const DiscMotionOf<S> disc = disc_motion(machine, motion);
+  const S spin = disc.omega.z();
   S along_axis = disc_friction(machine, spin);
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {
     const Drive& drive = machine.drives[i];
     if (drive.kind != Drive::Kind::kDisc) continue;
     along_axis += input.drive_strength[i] * drive.torque(input.mode, input.drive[i], spin);
   }
-  Vector3<S> in_disc_axes = Vector3<S>::Zero();
-  if (machine.track) in_disc_axes = add_contact(machine, motion, state, Q);
-  in_disc_axes.z() += along_axis;
-  Vector3<S> moment = motion.frame[machine.disc_body].R * in_disc_axes;
+  Vector3<S> moment = along_axis * Vector3<S>::UnitZ();
+  if (machine.track) moment += add_contact(machine, disc, motion, state, Q);
   const TiltBushing& b = machine.bushing;
   if (b.stiffness != 0.0 || b.rotating_damping != 0.0 || b.standing_damping != 0.0) {
-    moment += bushing_moment(machine, motion);
+    moment += bushing_moment(b, disc);
   }
-  add_pair(machine, motion, moment, Q);
+  add_pair(machine, disc, motion, moment, Q);
 }
 
 }  // namespace
@@ -109,30 +103,30 @@ template <class S>
 StructurePoint<S> structure_point(const Machine& machine, const MotionOf<S>& motion,
                                   const Vector3d& position) noexcept {
   const FrameOf<S>& structure = motion.frame[0];
+  const Vector3<S> arm = position.cast<S>();
+  const Vector3<S> v_arm = structure.omega.cross(arm);
   StructurePoint<S> point;
-  point.arm = structure.R * position;
-  point.p = structure.p + point.arm;
-  const Vector3<S> v_arm = structure.omega.cross(point.arm);
-  point.v = structure.v + v_arm;
-  point.a0 = structure.a0 + structure.alpha0.cross(point.arm) + structure.omega.cross(v_arm);
+  point.p = structure.R * arm;
+  point.v = v_arm;
+  point.a0 = structure.a0 + structure.alpha0.cross(arm) + structure.omega.cross(v_arm);
   point.J.fill(Vector3<S>::Zero());
   for (int i : machine.tree.linear(0)) point.J[i] = structure.Jv[i];
-  for (int i : machine.tree.angular(0)) point.J[i] += structure.Jw[i].cross(point.arm);
+  for (int i : machine.tree.angular(0)) point.J[i] += structure.Jw[i].cross(arm);
   return point;
 }
 
 template <class S>
 S rate_of(const Machine& machine, const MotionOf<S>& motion, const Drive& drive,
           const StateOf<S>& state) noexcept {
-  return drive.kind == Drive::Kind::kDisc ? disc_spin(machine, motion) : state.v[drive.coordinate];
+  return drive.kind == Drive::Kind::kDisc ? disc_motion(machine, motion).omega.z()
+                                          : state.v[drive.coordinate];
 }
 
 Coordinates drive_direction(const Machine& machine, const Motion& motion,
                             const Drive& drive) noexcept {
   Coordinates Q = Coordinates::Zero();
   if (drive.kind == Drive::Kind::kDisc) {
-    const Vector3d axis = motion.frame[machine.disc_body].R.col(2);
-    add_pair(machine, motion, axis, Q);
+    add_pair<double>(machine, disc_motion(machine, motion), motion, Vector3d::UnitZ(), Q);
   } else {
     Q[drive.coordinate] = 1.0;
   }
@@ -142,7 +136,8 @@ Coordinates drive_direction(const Machine& machine, const Motion& motion,
 double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept {
   if (!machine.load_cell) return 0.0;
   const StructurePoint<double> point = structure_point(machine, motion, machine.load_cell->point);
-  return load_cell_force(*machine.load_cell, point, input.yaw_rate);
+  const Vector3d direction = motion.frame[0].R.transpose() * machine.load_cell->direction;
+  return load_cell_force(*machine.load_cell, point, direction, input.yaw_rate);
 }
 
 template <class S>
@@ -161,18 +156,19 @@ CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
   }
   if (machine.disc_body != kFixed) add_disc_forces(machine, motion, state, input, Q);
 
-  // External wrench on the structure.
   const FrameOf<S>& structure = motion.frame[0];
-  const Vector3<S> arm = structure.R * machine.push_point;
-  const Vector3<S> moment = input.moment + arm.cross(input.force);
-  for (int i : machine.tree.linear(0)) Q[i] += structure.Jv[i].dot(input.force);
-  for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
-
+  if (!input.force.isZero(0) || !input.moment.isZero(0)) {
+    const Vector3<S> force = structure.R.transpose() * input.force;
+    const Vector3<S> moment =
+        structure.R.transpose() * input.moment + machine.push_point.cross(force);
+    for (int i : machine.tree.angular(0)) Q[i] += structure.Jw[i].dot(moment);
+  }
   if (machine.load_cell) {
     const LoadCell& cell = *machine.load_cell;
     const StructurePoint<S> point = structure_point(machine, motion, cell.point);
-    const Vector3<S> force = -load_cell_force(cell, point, input.yaw_rate) * cell.direction;
-    for (int i = 0; i < machine.coordinates(); ++i) Q[i] += point.J[i].dot(force);
+    const Vector3<S> direction = structure.R.transpose() * cell.direction;
+    const S pressed = load_cell_force(cell, point, direction, input.yaw_rate);
+    for (int i = 0; i < machine.coordinates(); ++i) Q[i] -= pressed * point.J[i].dot(direction);
   }
   return Q;
 }
@@ -193,9 +189,8 @@ double spring_energy(const Machine& machine, const Motion& motion, const State& 
     V += 0.5 * machine.load_cell->stiffness * x * x;
   }
   if (machine.track) {
-    visit_tips(machine, motion, state, [&](const Gyro&, const TipOf<double>& tip) {
-      V += contact_energy(*machine.track, tip.lower) + contact_energy(*machine.track, tip.upper);
-    });
+    const auto tips = tips_of(machine, disc_motion(machine, motion), motion, state);
+    V += contact_energy(*machine.track, tips.lower) + contact_energy(*machine.track, tips.upper);
   }
   return V;
 }

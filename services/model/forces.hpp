@@ -6,11 +6,10 @@
 
 namespace gyrotwin::model {
 
-/// Motion of a point that the structure carries; world axes, as in Frame.
+/// Motion of a point that the structure carries; in the structure's axes, as in Frame.
 template <class S>
 struct StructurePoint {
-  Vector3<S> arm;   ///< from the structure's pivot [m]
-  Vector3<S> p;     ///< [m]
+  Vector3<S> p;     ///< world axes [m]
   Vector3<S> v;     ///< [m/s]
   Vector3<S> a0;    ///< [m/s^2]
   JacobianOf<S> J;  ///< d v / d q'_i, for all coordinates

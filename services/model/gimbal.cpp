@@ -1,5 +1,8 @@
 #include "services/model/gimbal.hpp"
 
+#include <algorithm>
+#include <stdexcept>
+
 namespace gyrotwin::model {
 
 using Eigen::Matrix3d;
@@ -7,8 +10,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-Symmetric3<double> packed(const Matrix3d& A) {
-  Symmetric3<double> packed;
+Eigen::Matrix<double, 6, 1> packed(const Matrix3d& A) {
+  Eigen::Matrix<double, 6, 1> packed;
   packed << A(0, 0), A(1, 1), A(2, 2), A(0, 1), A(0, 2), A(1, 2);
   return packed;
 }
@@ -25,84 +28,65 @@ Matrix3d steiner(const Vector3d& r) {
 
 }  // namespace
 
-void MassMoments::add(const MassMoments& other) {
-  mass += other.mass;
-  first += other.first;
-  second += other.second;
+Moments<double> moments_of(double mass, const Vector3d& cm, const Vector3d& inertia) {
+  return {mass * cm, packed(Matrix3d(inertia.asDiagonal()) + mass * steiner(cm))};
 }
 
-MassMoments moments_of(double mass, const Vector3d& cm, const Vector3d& inertia) {
-  const Matrix3d second = Matrix3d(inertia.asDiagonal()) + mass * steiner(cm);
-  return {mass, mass * cm, packed(second)};
+bool Gimbal::balanced() const {
+  constexpr double kRounding = 1e-14;
+  const double inertia = fixed_.second.cwiseAbs().maxCoeff();
+  const auto little = [&](const Moments<double>& x) {
+    return x.first.head<2>().cwiseAbs().maxCoeff() <= kRounding * mass_ &&
+           x.second.tail<3>().cwiseAbs().maxCoeff() <= kRounding * inertia;
+  };
+  const double swing =
+      std::max({swing_fixed_.cwiseAbs().maxCoeff(), swing_cosine_.cwiseAbs().maxCoeff(),
+                swing_sine_.cwiseAbs().maxCoeff()});
+  return little(fixed_) && little(cosine_) && little(sine_) && little(cosine2_) && little(sine2_) &&
+         swing <= kRounding * inertia;
 }
 
-Gimbal::Gimbal(int carrier, int coordinate, std::vector<Gyro> gyros)
-    : carrier_(carrier), coordinate_(coordinate), gyros_(std::move(gyros)) {
-  for (const Gyro& gyro : gyros_) add(gyro);
+Gimbal::Gimbal(std::vector<Gyro> gyros) : gyros_(std::move(gyros)) {
+  if (gyros_.size() > kMaxRotors) throw std::invalid_argument("gimbal: at most 4 gyros");
+  for (std::size_t j = 0; j < gyros_.size(); ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    pivots_.row(row) = gyros_[j].pivot.transpose();
+    axes_.row(row) = gyros_[j].axis.transpose();
+    raised_axes_.row(row) = gyros_[j].raised.transpose();
+    add(gyros_[j]);
+  }
 }
 
 /// With s = axis cos q + raised sin q the cm is at pivot + d s, and the inertia about it is
 /// It 1 + (Ix - It) s s'.
 void Gimbal::add(const Gyro& g) {
+  const Matrix3d one = Matrix3d::Identity();
   const Vector3d hinge = g.axis.cross(g.raised);
   const Vector3d& r = g.pivot;
-  const double d = g.cm_distance, md = g.mass * d;
-  const double about_hinge = g.planar_inertia + md * d;
+  const double md = g.mass * g.cm_distance;
+  const double about_hinge = g.planar_inertia + md * g.cm_distance;
+  mass_ += g.mass;
   inertia_ += about_hinge;
 
-  fixed_.mass += g.mass;
   fixed_.first += g.mass * r;
-  first_.cosine += md * g.axis;
-  first_.sine += md * g.raised;
-
-  // r x m d s' and the turning itself, about the hinge.
-  swing_fixed_ += about_hinge * hinge;
-  swing_.cosine += md * r.cross(g.raised);
-  swing_.sine -= md * r.cross(g.axis);
+  cosine_.first += md * g.axis;
+  sine_.first += md * g.raised;
 
   const auto mixed = [&](const Vector3d& s) -> Matrix3d {
-    return md * (2.0 * r.dot(s) * Matrix3d::Identity() - twice_symmetric(r, s));
+    return md * (2.0 * r.dot(s) * one - twice_symmetric(r, s));
   };
   const double k = 0.5 * (g.axial_inertia - about_hinge);
   const Matrix3d aa = g.axis * g.axis.transpose(), bb = g.raised * g.raised.transpose();
-  fixed_.second += packed(about_hinge * Matrix3d::Identity() + g.mass * steiner(r) + k * (aa + bb));
-  second_.cosine += packed(mixed(g.axis));
-  second_.sine += packed(mixed(g.raised));
-  second_twice_.cosine += packed(k * (aa - bb));
-  second_twice_.sine += packed(k * twice_symmetric(g.axis, g.raised));
+  fixed_.second += packed(about_hinge * one + g.mass * steiner(r) + k * (aa + bb));
+  cosine_.second += packed(mixed(g.axis));
+  sine_.second += packed(mixed(g.raised));
+  cosine2_.second += packed(k * (aa - bb));
+  sine2_.second += packed(k * twice_symmetric(g.axis, g.raised));
+
+  // r x m d ds/dq, and the turning itself.
+  swing_fixed_ += about_hinge * hinge;
+  swing_cosine_ += md * r.cross(g.raised);
+  swing_sine_ -= md * r.cross(g.axis);
 }
-
-template <class S>
-GimbalShareOf<S> Gimbal::at(const S& c, const S& s, const Rotors& rotors) const noexcept {
-  const S c2 = c * c - s * s, s2 = 2.0 * c * s;
-  Vector3d h_axis = Vector3d::Zero(), h_raised = Vector3d::Zero();
-  Vector3d rate_axis = Vector3d::Zero(), rate_raised = Vector3d::Zero();
-  for (const Gyro& g : gyros_) {
-    const double h = g.rotor_inertia * rotors.speed[g.rotor_index];
-    const double h_rate = g.rotor_inertia * rotors.rate[g.rotor_index];
-    h_axis += h * g.axis;
-    h_raised += h * g.raised;
-    rate_axis += h_rate * g.axis;
-    rate_raised += h_rate * g.raised;
-  }
-
-  GimbalShareOf<S> share;
-  share.first = c * first_.cosine + s * first_.sine;
-  share.first_q = c * first_.sine - s * first_.cosine;
-  share.swing = swing_fixed_ + (c * swing_.cosine + s * swing_.sine);
-  share.swing_q = c * swing_.sine - s * swing_.cosine;
-  share.second = c * second_.cosine + s * second_.sine +  //
-                 c2 * second_twice_.cosine + s2 * second_twice_.sine;
-  share.second_q = c * second_.sine - s * second_.cosine +  //
-                   (2.0 * c2) * second_twice_.sine - (2.0 * s2) * second_twice_.cosine;
-  share.h = c * h_axis + s * h_raised;
-  share.h_q = c * h_raised - s * h_axis;
-  share.h_t = c * rate_axis + s * rate_raised;
-  return share;
-}
-
-template GimbalShareOf<double> Gimbal::at(const double&, const double&,
-                                          const Rotors&) const noexcept;
-template GimbalShareOf<Dual> Gimbal::at(const Dual&, const Dual&, const Rotors&) const noexcept;
 
 }  // namespace gyrotwin::model

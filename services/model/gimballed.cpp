@@ -1,12 +1,12 @@
 #include "services/model/gimballed.hpp"
 
+#include "services/model/evaluate.hpp"
+
 namespace gyrotwin::model {
 
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr int kChassis = 0;
 
 int gyros_of(Arrangement arrangement) {
   return arrangement == Arrangement::kSingle ? 1 : arrangement == Arrangement::kPair ? 2 : 4;
@@ -27,6 +27,18 @@ Gyro gyro_of(const GimballedParameters& p, int index, const Vector3d& axis,
           .rotor_index = index};
 }
 
+Tree build_tree(Arrangement arrangement, const Body& chassis, const std::vector<Gimbal>& gimbals) {
+  switch (arrangement) {
+    case Arrangement::kSingle:
+      return make_tree<shape_of(Arrangement::kSingle)>({chassis}, gimbals);
+    case Arrangement::kPair:
+      return make_tree<shape_of(Arrangement::kPair)>({chassis}, gimbals);
+    case Arrangement::kTwoPairs:
+      break;
+  }
+  return make_tree<shape_of(Arrangement::kTwoPairs)>({chassis}, gimbals);
+}
+
 }  // namespace
 
 Machine build(const GimballedParameters& p) {
@@ -36,10 +48,8 @@ Machine build(const GimballedParameters& p) {
 
   Layout layout;
   Body chassis;
-  chassis.rotations = {{Axis::kX, 0}};
   layout.tilt = {0, kFixed};
   if (two_axes) {
-    chassis.rotations.push_back({Axis::kY, 1});
     layout.tilt = {0, 1};
     layout.names = {"thx", "thy", "qA", "qB"};
   } else {
@@ -54,23 +64,20 @@ Machine build(const GimballedParameters& p) {
   std::vector<Gimbal> gimbals;
   const int first = two_axes ? 2 : 1;
   if (p.arrangement == Arrangement::kSingle) {
-    gimbals.emplace_back(kChassis, first, std::vector{gyro_of(p, 0, z, x)});
+    gimbals.emplace_back(std::vector{gyro_of(p, 0, z, x)});
     layout.gimbals = {{first, 1.0}};
   } else {
     // Counter-rotating, geared 1 : -1.
-    gimbals.emplace_back(kChassis, first, std::vector{gyro_of(p, 0, y, -x), gyro_of(p, 1, -y, -x)});
-    if (two_axes) {
-      gimbals.emplace_back(kChassis, first + 1,
-                           std::vector{gyro_of(p, 2, x, y), gyro_of(p, 3, -x, y)});
-    }
-    for (const Gimbal& gimbal : gimbals) {
-      layout.gimbals.push_back({gimbal.coordinate(), 1.0});
-      layout.gimbals.push_back({gimbal.coordinate(), -1.0});
-    }
+    gimbals.emplace_back(std::vector{gyro_of(p, 0, y, -x), gyro_of(p, 1, -y, -x)});
+    layout.gimbals = {{first, 1.0}, {first, -1.0}};
+  }
+  if (two_axes) {
+    gimbals.emplace_back(std::vector{gyro_of(p, 2, x, y), gyro_of(p, 3, -x, y)});
+    layout.gimbals.insert(layout.gimbals.end(), {{first + 1, 1.0}, {first + 1, -1.0}});
   }
 
   const int drives = gyros == 4 ? 2 : 1;
-  Machine machine{Tree({chassis}, std::move(gimbals), first + drives), layout};
+  Machine machine{build_tree(p.arrangement, chassis, gimbals), layout};
   machine.rotors = gyros;
   for (int j = 0; j < gyros; ++j) machine.nominal_rotor_speed[j] = p.gyros.rotor_speed;
   machine.push_point = {0.0, 0.0, zc};

@@ -16,6 +16,16 @@ enum class Arrangement : std::uint8_t {
               ///< point
 };
 
+/// The one body is the chassis.
+constexpr Shape shape_of(Arrangement arrangement) {
+  if (arrangement == Arrangement::kTwoPairs) {
+    return Shape().hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}}).gimbal(0).gimbal(0);
+  }
+  Shape on_line = Shape().hang(kGround, kGround, {{Axis::kX, 0}});
+  if (arrangement == Arrangement::kSingle) on_line.unbalanced();
+  return on_line.gimbal(0);
+}
+
 /// SI units; symbols as in README.md.
 struct GimballedParameters {
   Arrangement arrangement = Arrangement::kPair;

@@ -1,5 +1,7 @@
 #include "services/model/gyroscope.hpp"
 
+#include "services/model/evaluate.hpp"
+
 namespace gyrotwin::model {
 
 namespace {
@@ -10,7 +12,6 @@ constexpr int kElevation = 1;
 /// Body x axis: the spin axis, outward. Raising the tip is a turn about -y.
 Body axle_body(const GyroscopeParameters::Gyro& g) {
   Body body;
-  body.rotations = {{Axis::kZ, kPrecession}, {Axis::kY, kElevation, -1.0}};
   body.mass = g.mass;
   body.cm = {g.cm_distance, 0.0, 0.0};
   body.inertia = {g.inertia_axial, g.inertia_transverse, g.inertia_transverse};
@@ -21,7 +22,6 @@ Body axle_body(const GyroscopeParameters::Gyro& g) {
 
 Body post_body(const GyroscopeParameters::Gyro& g) {
   Body body;
-  body.rotations = {{Axis::kZ, kPrecession}};
   body.inertia = {0.0, 0.0, g.post_inertia};
   return body;
 }
@@ -35,7 +35,7 @@ Machine build(const GyroscopeParameters& p) {
   layout.gimbals = {{kElevation, 1.0}};
 
   const GyroscopeParameters::Gyro& g = p.gyro;
-  Machine machine{Tree({axle_body(g), post_body(g)}, {}, 2), layout};
+  Machine machine{make_tree<kGyroscopeShape>({axle_body(g), post_body(g)}, {}), layout};
   machine.rotors = 1;
   machine.nominal_rotor_speed[0] = g.rotor_speed;
   machine.push_point = {g.axle_length, 0.0, 0.0};

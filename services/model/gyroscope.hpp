@@ -5,6 +5,14 @@
 
 namespace gyrotwin::model {
 
+/// Body 0 is the axle with its gyro, body 1 what of the post turns without tipping.
+inline constexpr Shape kGyroscopeShape =
+    Shape()
+        .hang(kGround, kGround, {{Axis::kZ, 0}, {Axis::kY, 1, -1}})
+        .unbalanced()
+        .with_rotor()
+        .hang(kGround, kGround, {{Axis::kZ, 0}});
+
 /// SI units; symbols as in README.md.
 struct GyroscopeParameters {
   struct Gyro {

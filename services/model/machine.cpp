@@ -49,29 +49,42 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
 
 void add_contact_forces(const Machine& machine, const Motion& motion, const State& state,
                         Truth& truth) {
-  visit_tips(machine, motion, state, [&](const Gyro& gyro, const TipOf<double>& tip) {
-    truth.contact_lower[gyro.rotor_index] = normal_force(*machine.track, tip.lower);
-    truth.contact_upper[gyro.rotor_index] = normal_force(*machine.track, tip.upper);
-  });
+  const auto tips = tips_of(machine, disc_motion(machine, motion), motion, state);
+  const PerGyro<double> lower = normal_force(*machine.track, tips.lower);
+  const PerGyro<double> upper = normal_force(*machine.track, tips.upper);
+  const auto& gyros = machine.tree.gimbals()[0].gyros();
+  for (std::size_t j = 0; j < gyros.size(); ++j) {
+    truth.contact_lower[gyros[j].rotor_index] = lower[j];
+    truth.contact_upper[gyros[j].rotor_index] = upper[j];
+  }
 }
 
 /// Energy in the gravity field of everything, and angular momentum about the ground pivot.
-void add_bodies(const Machine& machine, const Motion& motion, const Input& input, Truth& truth) {
-  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
+void add_bodies(const Machine& machine, const Motion& motion, const State& state,
+                const Input& input, Truth& truth) {
+  const Tree& tree = machine.tree;
+  for (int b = 0; b < tree.shape().bodies.size; ++b) {
+    // The pivot and its velocity: the ground's, or one that the structure carries.
     const Frame& frame = motion.frame[b];
+    Vector3d p = Vector3d::Zero();
+    if (tree.shape().bodies[b].position_parent != kGround) {
+      p = motion.frame[0].R * tree.bodies()[b].pivot;
+    }
+    Vector3d v = frame.R.transpose() * Vector3d(0.0, 0.0, input.yaw_rate).cross(p);
+    for (int i : tree.linear(b)) v += frame.Jv[i] * state.v[i];
+
     const auto& momenta = motion.momenta[b];
-    const double mass = machine.tree.mass(static_cast<int>(b));
-    const Vector3d first = frame.R * momenta.first_moment;
-    const Vector3d momentum = mass * frame.v + frame.omega.cross(first) + frame.R * momenta.swing;
-    truth.potential_energy += machine.gravity * (mass * frame.p + first).z();
+    const Vector3d& first = momenta.first_moment;
+    const Vector3d momentum = tree.mass(b) * v + frame.omega.cross(first) + momenta.swing;
+    truth.potential_energy += machine.gravity * (tree.mass(b) * p + frame.R * first).z();
     truth.angular_momentum +=
-        frame.p.cross(momentum) + first.cross(frame.v) + frame.R * momenta.angular;
+        p.cross(frame.R * momentum) + frame.R * (first.cross(v) + momenta.angular);
   }
   for (const PointMass& added : input.added) {
     if (added.mass == 0.0) continue;
     const StructurePoint<double> point = structure_point(machine, motion, added.position);
     truth.potential_energy += added.mass * machine.gravity * point.p.z();
-    truth.angular_momentum += added.mass * point.p.cross(point.v);
+    truth.angular_momentum += added.mass * point.p.cross(motion.frame[0].R * point.v);
   }
 }
 
@@ -151,8 +164,7 @@ InertialReading Machine::inertial(const State& state, const Input& input,
   const StructurePoint<double> imu = structure_point(*this, motion, point);
   Vector3d a = imu.a0;
   for (int i = 0; i < coordinates(); ++i) a += imu.J[i] * acceleration[i];
-  const Eigen::Matrix3d& R = motion.frame[0].R;
-  return {R.transpose() * motion.frame[0].omega, R.transpose() * a};
+  return {motion.frame[0].omega, a};
 }
 
 double Machine::drive_rate(int drive, const State& state) const noexcept {
@@ -220,7 +232,7 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
   }
 
   truth.kinetic_energy = 0.5 * state.v.dot(times(motion, state.v, coordinates()));
-  add_bodies(*this, motion, input, truth);
+  add_bodies(*this, motion, state, input, truth);
   truth.potential_energy += spring_energy(*this, motion, state);
   truth.load_cell = load_cell_force(*this, motion, input);
   if (track) add_contact_forces(*this, motion, state, truth);
@@ -251,8 +263,7 @@ Coordinates Machine::generalised_momentum(const State& state) const noexcept {
   evaluate(*this, state, motion);
   Coordinates p = times(motion, state.v, coordinates());
   for (int b = 0; b < static_cast<int>(tree.bodies().size()); ++b) {
-    const Vector3d h = motion.frame[b].R * motion.momenta[b].rotors;
-    for (int i : tree.angular(b)) p[i] += motion.frame[b].Jw[i].dot(h);
+    for (int i : tree.angular(b)) p[i] += motion.frame[b].Jw[i].dot(motion.momenta[b].rotors);
   }
   return p;
 }

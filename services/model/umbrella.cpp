@@ -4,13 +4,14 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "services/model/evaluate.hpp"
+
 namespace gyrotwin::model {
 
 using Eigen::Vector3d;
 
 namespace {
 
-constexpr int kStructure = 0;
 constexpr int kDisc = 1;
 
 Layout layout_of(const UmbrellaParameters& p) {
@@ -31,7 +32,6 @@ Layout layout_of(const UmbrellaParameters& p) {
 
 Body structure_body(const UmbrellaParameters::Structure& s) {
   Body body;
-  body.rotations = {{Axis::kX, 0}, {Axis::kY, 1}};
   body.mass = s.mass;
   body.cm = {0.0, 0.0, s.cm_height};
   const double steiner = s.mass * s.cm_height * s.cm_height;
@@ -44,15 +44,9 @@ double polar_inertia(const UmbrellaParameters& p) {
   return p.disc.inertia_polar + p.drive.motor_inertia * G * G;
 }
 
-Body disc_body(const UmbrellaParameters& p, const Layout& layout) {
+Body disc_body(const UmbrellaParameters& p) {
   Body body;
-  body.position_parent = kStructure;
-  body.orientation_parent = p.mount == Mount::kRigid ? kStructure : kGround;
   body.pivot = {0.0, 0.0, p.disc.joint_height};
-  if (p.mount == Mount::kUniversalJoint) {
-    body.rotations = {{Axis::kX, layout.disc_tilt[0]}, {Axis::kY, layout.disc_tilt[1]}};
-  }
-  body.rotations.push_back({Axis::kZ, layout.disc});
   body.mass = p.disc.mass;
   body.cm = {0.0, 0.0, p.disc.cm_offset};
   body.inertia = {p.disc.inertia_planar, p.disc.inertia_planar, polar_inertia(p)};
@@ -74,15 +68,26 @@ Gyro gyro_of(const UmbrellaParameters::Gyros& g, int j) {
           .rotor_index = j};
 }
 
+Tree build_tree(const UmbrellaParameters& p) {
+  const std::vector<Body> bodies{structure_body(p.structure), disc_body(p)};
+  std::vector<Gyro> gyros;
+  for (int j = 0; j < p.gyros.count; ++j) gyros.push_back(gyro_of(p.gyros, j));
+  const std::vector<Gimbal> gimbals{Gimbal(gyros)};
+  switch (p.mount) {
+    case Mount::kLevel:
+      return make_tree<shape_of(Mount::kLevel)>(bodies, gimbals);
+    case Mount::kRigid:
+      return make_tree<shape_of(Mount::kRigid)>(bodies, gimbals);
+    case Mount::kUniversalJoint:
+      break;
+  }
+  return make_tree<shape_of(Mount::kUniversalJoint)>(bodies, gimbals);
+}
+
 Machine assemble(const UmbrellaParameters& p) {
   const Layout layout = layout_of(p);
   const int elevation = layout.disc + 1;
-  std::vector<Gyro> gyros;
-  for (int j = 0; j < p.gyros.count; ++j) gyros.push_back(gyro_of(p.gyros, j));
-
-  Machine machine{Tree({structure_body(p.structure), disc_body(p, layout)},
-                       {Gimbal(kDisc, elevation, std::move(gyros))}, elevation + 1),
-                  layout};
+  Machine machine{build_tree(p), layout};
   machine.rotors = p.gyros.count;
   for (int j = 0; j < p.gyros.count; ++j) machine.nominal_rotor_speed[j] = p.gyros.rotor_speed;
   machine.push_point = {0.0, 0.0, p.structure.cm_height};

@@ -15,6 +15,17 @@ enum class Mount : std::uint8_t {
   kRigid,           ///< tilts with the structure
 };
 
+/// Body 0 is the structure, 1 the disc, which carries the gyros.
+constexpr Shape shape_of(Mount mount) {
+  using Turns = ShortList<Rotation, 4>;
+  const bool free = mount == Mount::kUniversalJoint;
+  return Shape()
+      .hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}})
+      .hang(0, mount == Mount::kRigid ? 0 : kGround,
+            free ? Turns{{Axis::kX, 2}, {Axis::kY, 3}, {Axis::kZ, 4}} : Turns{{Axis::kZ, 2}})
+      .gimbal(1);
+}
+
 /// What the outer axles ride on.
 enum class TrackKind : std::uint8_t { kNone, kLower, kSlot };
 

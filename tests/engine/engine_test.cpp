@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/support/bodies.hpp"
 #include "tests/support/random_machine.hpp"
 
 namespace gyrotwin {
@@ -16,48 +17,17 @@ using Eigen::Vector3d;
 using engine::BodyMotion;
 using model::Input;
 using model::Machine;
-using model::Motion;
 using model::State;
 using reference::Random;
 
 constexpr int kStates = 25;
 
-/// The same bodies' motions, and then the gyros', by the model's own tree.
+/// The same bodies' motions by the model's own tree.
 std::vector<BodyMotion> by_model(const Machine& machine, const State& state,
                                  const model::Coordinates& acceleration) {
-  Motion motion;
-  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d::Zero()}, motion);
   std::vector<BodyMotion> motions;
-  const auto& bodies = machine.tree.bodies();
-  std::vector<Vector3d> a, alpha;
-  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
-    const model::Frame& frame = motion.frame[b];
-    a.push_back(frame.a0);
-    alpha.push_back(frame.alpha0);
-    for (int i : machine.tree.linear(b)) a[b] += frame.Jv[i] * acceleration[i];
-    for (int i : machine.tree.angular(b)) alpha[b] += frame.Jw[i] * acceleration[i];
-    const Vector3d rho = frame.R * bodies[b].cm;
-    motions.push_back({frame.v + frame.omega.cross(rho), frame.omega,
-                       a[b] + alpha[b].cross(rho) + frame.omega.cross(frame.omega.cross(rho)),
-                       alpha[b]});
-  }
-  for (const model::Gimbal& gimbal : machine.tree.gimbals()) {
-    const int b = gimbal.carrier(), k = gimbal.coordinate();
-    const model::Frame& frame = motion.frame[b];
-    for (const model::Gyro& gyro : gimbal.gyros()) {
-      const Vector3d hinge = frame.R * gyro.axis.cross(gyro.raised);
-      const Vector3d pivot = frame.R * gyro.pivot;
-      const Vector3d rho =
-          frame.R * (gyro.cm_distance * gyro.axis_at(std::cos(state.q[k]), std::sin(state.q[k])));
-      const Vector3d omega = frame.omega + state.v[k] * hinge;
-      const Vector3d alpha_gyro =
-          alpha[b] + acceleration[k] * hinge + state.v[k] * frame.omega.cross(hinge);
-      motions.push_back({frame.v + frame.omega.cross(pivot) + omega.cross(rho), omega,
-                         a[b] + alpha[b].cross(pivot) +
-                             frame.omega.cross(frame.omega.cross(pivot)) + alpha_gyro.cross(rho) +
-                             omega.cross(omega.cross(rho)),
-                         alpha_gyro});
-    }
+  for (const MovingBody& b : moving_bodies(machine, state, {Vector3d::Zero()}, acceleration)) {
+    motions.push_back({b.v, b.omega, b.a, b.alpha});
   }
   return motions;
 }

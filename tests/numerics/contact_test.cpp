@@ -15,32 +15,38 @@ namespace {
 
 using Eigen::Vector3d;
 using model::Coordinates;
-using model::Indentation;
 using model::Machine;
 using model::Motion;
 using model::Mount;
+using model::PerGyro;
 using model::State;
 using model::Track;
 using model::TrackKind;
 using reference::Random;
 
 constexpr Mount kMounts[] = {Mount::kLevel, Mount::kRigid, Mount::kUniversalJoint};
-constexpr int kFirstGyro = 2;
 
 Motion motion_of(const Machine& machine, const State& state) {
   Motion motion;
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d(0, 0, machine.gravity)},
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d(0, 0, machine.gravity)},
                         motion);
   return motion;
 }
 
-int gyros_end(const Machine& machine) { return static_cast<int>(machine.tree.bodies().size()); }
+model::TipsOf<double> tips_of(const Machine& machine, const State& state) {
+  const Motion motion = motion_of(machine, state);
+  return model::tips_of(machine, model::disc_motion(machine, motion), motion, state);
+}
 
-/// An axle tip in the structure's frame, from its motion.
+/// An axle tip in the structure's frame, by the drawing alone.
 Vector3d tip_in_structure(const Machine& machine, const State& state, int gyro) {
   const Motion motion = motion_of(machine, state);
-  const auto& S = motion.frame[0];
-  return S.R.transpose() * (model::tip_motion(*machine.track, motion, gyro).p - S.p);
+  const model::Gyro& g = machine.tree.gimbals()[0].gyros()[static_cast<std::size_t>(gyro)];
+  const double tg = state.q[machine.layout.disc + 1];
+  const Vector3d on_disc =
+      g.pivot + machine.track->tip * (std::cos(tg) * g.axis + std::sin(tg) * g.raised);
+  const Vector3d joint = machine.tree.bodies()[1].pivot;
+  return joint + motion.frame[0].R.transpose() * (motion.frame[1].R * on_disc);
 }
 
 /// Fourth-order slope of f at 0.
@@ -51,17 +57,28 @@ auto slope(const F& f) {
   return Value((8.0 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12.0 * h));
 }
 
+model::IndentationOf<double> one_tip(double depth, double rate) {
+  model::IndentationOf<double> in{PerGyro<double>::Constant(-1.0), PerGyro<double>::Zero()};
+  in.depth[0] = depth;
+  in.rate[0] = rate;
+  return in;
+}
+
+double normal_force(const Track& track, double depth, double rate) {
+  return model::normal_force(track, one_tip(depth, rate))[0];
+}
+
 TEST(ForceLaw, IsHuntCrossley) {
   Track track{};
   track.stiffness = 1e7;
   track.damping = 0.5;
-  EXPECT_DOUBLE_EQ(model::normal_force<double>(track, {4e-4, 0.0}), 80.0);
-  EXPECT_DOUBLE_EQ(model::normal_force<double>(track, {4e-4, 0.4}), 96.0);
-  EXPECT_DOUBLE_EQ(model::normal_force<double>(track, {4e-4, -0.4}), 64.0);
-  EXPECT_EQ(model::normal_force<double>(track, {4e-4, -3.0}), 0.0);  // it never pulls
-  EXPECT_EQ(model::normal_force<double>(track, {0.0, 1.0}), 0.0);
-  EXPECT_EQ(model::normal_force<double>(track, {-1e-3, 1.0}), 0.0);
-  EXPECT_EQ(model::contact_energy(track, {-1e-3, 1.0}), 0.0);
+  EXPECT_DOUBLE_EQ(normal_force(track, 4e-4, 0.0), 80.0);
+  EXPECT_DOUBLE_EQ(normal_force(track, 4e-4, 0.4), 96.0);
+  EXPECT_DOUBLE_EQ(normal_force(track, 4e-4, -0.4), 64.0);
+  EXPECT_EQ(normal_force(track, 4e-4, -3.0), 0.0);  // it never pulls
+  EXPECT_EQ(normal_force(track, 0.0, 1.0), 0.0);
+  EXPECT_EQ(normal_force(track, -1e-3, 1.0), 0.0);
+  EXPECT_EQ(model::contact_energy(track, one_tip(-1e-3, 1.0)), 0.0);
 }
 
 TEST(ForceLaw, EnergyIsThatOfTheSpring) {
@@ -69,11 +86,10 @@ TEST(ForceLaw, EnergyIsThatOfTheSpring) {
   track.stiffness = 1e7;
   for (double depth : {1e-5, 1e-4, 1e-3}) {
     const double force = slope([&](double x) {
-                           return model::contact_energy(track, {depth * (1.0 + x), 0.0});
+                           return model::contact_energy(track, one_tip(depth * (1.0 + x), 0.0));
                          }) /
                          depth;
-    EXPECT_NEAR(force / model::normal_force<double>(track, {depth, 0.0}), 1.0,
-                1e-11);  // measured 1.8e-13
+    EXPECT_NEAR(force / normal_force(track, depth, 0.0), 1.0, 1e-11);  // measured 1.8e-13
   }
 }
 
@@ -83,10 +99,9 @@ TEST(ForceLaw, DampingOnlyTakesEnergy) {
   track.stiffness = 1e7;
   track.damping = 2.0;
   for (int i = 0; i < 1000; ++i) {
-    const Indentation<double> in{random.between(0, 1e-3), random.between(-2, 2)};
-    const double beyond_spring =
-        model::normal_force(track, in) - model::normal_force<double>(track, {in.depth, 0.0});
-    EXPECT_GE(beyond_spring * in.rate, 0.0);
+    const double depth = random.between(0, 1e-3), rate = random.between(-2, 2);
+    const double beyond_spring = normal_force(track, depth, rate) - normal_force(track, depth, 0.0);
+    EXPECT_GE(beyond_spring * rate, 0.0);
   }
 }
 
@@ -94,14 +109,17 @@ TEST(Tip, StartsWhereTheDrawingHasIt) {
   auto p = reference::umbrella("gooch");
   const Machine machine = model::build(p);
   const double phi = 0.3, tg = 0.2;
-  const Motion motion = motion_of(machine, machine.state({0, 0, phi, tg}, {}));
+  const State state = machine.state({0, 0, phi, tg}, {});
+  const Motion motion = motion_of(machine, state);
+  const auto tips = tips_of(machine, state);
   for (int j = 0; j < 3; ++j) {
     const double azimuth = phi + 2.0 * std::numbers::pi * j / 3.0;
     const double radius = p.gyros.pivot_radius + p.gyros.axle_length * std::cos(tg);
     const Vector3d expected(
         radius * std::cos(azimuth), radius * std::sin(azimuth),
         p.disc.joint_height + p.gyros.pivot_height + p.gyros.axle_length * std::sin(tg));
-    const Vector3d found = model::tip_motion(*machine.track, motion, kFirstGyro + j).p;
+    const Vector3d found =
+        machine.tree.bodies()[1].pivot + motion.frame[1].R * tips.arm.row(j).matrix().transpose();
     EXPECT_LT((found - expected).norm(), 1e-15);  // [m], measured 5.6e-17
   }
 }
@@ -122,18 +140,17 @@ TEST(Tip, VelocitiesAreDerivatives) {
         return State{state.q + t * state.v, state.v, state.rotor_speed};
       };
       const Motion motion = motion_of(machine, state);
-      for (int b = kFirstGyro; b < gyros_end(machine); ++b) {
-        const model::TipMotion<double> tip = model::tip_motion(*machine.track, motion, b);
+      const auto tips = tips_of(machine, state);
+      for (int j = 0; j < machine.rotors; ++j) {
         const Vector3d v = motion.frame[0].R *
-                           slope([&](double t) { return tip_in_structure(machine, at(t), b); });
-        worst_v = std::max(worst_v, (v - tip.v_rel).norm());
-        const auto lower = model::lower_indentation(*machine.track, motion, tip);
-        const auto upper = model::upper_indentation(*machine.track, motion, tip);
+                           slope([&](double t) { return tip_in_structure(machine, at(t), j); });
+        const Vector3d found = motion.frame[1].R * tips.v_rel.row(j).matrix().transpose();
+        worst_v = std::max(worst_v, (v - found).norm());
         const double sinking =
-            slope([&](double t) { return -tip_in_structure(machine, at(t), b).z(); });
-        worst_rate =
-            std::max({worst_rate, std::abs(lower.rate - sinking), std::abs(upper.rate + sinking)});
-        EXPECT_NEAR(lower.depth + upper.depth, -p.contact.slot_clearance,
+            slope([&](double t) { return -tip_in_structure(machine, at(t), j).z(); });
+        worst_rate = std::max({worst_rate, std::abs(tips.lower.rate[j] - sinking),
+                               std::abs(tips.upper.rate[j] + sinking)});
+        EXPECT_NEAR(tips.lower.depth[j] + tips.upper.depth[j], -p.contact.slot_clearance,
                     1e-15);  // measured 3.8e-17
       }
     }
@@ -157,23 +174,25 @@ TEST(Contact, ForcesDoVirtualWork) {
       without.track.reset();
       const State state = random.state(machine, 0.3, 2.0);
       const Motion motion = motion_of(machine, state);
-      const model::MassMatrix M = motion.M.selfadjointView<Eigen::Lower>();
-      const Coordinates found =
-          M * (machine.acceleration(state, {}) - without.acceleration(state, {}));
+      const int n = machine.coordinates();
+      const Eigen::MatrixXd M = motion.M.topLeftCorner(n, n).selfadjointView<Eigen::Lower>();
+      Coordinates found = Coordinates::Zero();
+      found.head(n) =
+          M * (machine.acceleration(state, {}) - without.acceleration(state, {})).head(n);
 
       const model::Truth truth = machine.truth(state, {});
       Coordinates expected = Coordinates::Zero();
-      for (int b = kFirstGyro; b < gyros_end(machine); ++b) {
-        const double up = truth.contact_lower[b - kFirstGyro] - truth.contact_upper[b - kFirstGyro];
+      for (int j = 0; j < machine.rotors; ++j) {
+        const double up = truth.contact_lower[j] - truth.contact_upper[j];
         const auto along = [&](int k) {
           return slope([&](double x) {
             const Coordinates q = state.q + x * Coordinates::Unit(k);
-            return tip_in_structure(machine, {q, state.v, state.rotor_speed}, b);
+            return tip_in_structure(machine, {q, state.v, state.rotor_speed}, j);
           });
         };
         Vector3d v_t = slope([&](double t) {
           const Coordinates q = state.q + t * state.v;
-          return tip_in_structure(machine, {q, state.v, state.rotor_speed}, b);
+          return tip_in_structure(machine, {q, state.v, state.rotor_speed}, j);
         });
         v_t.z() = 0.0;
         const Vector3d drag =

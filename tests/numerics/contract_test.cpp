@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "services/model/evaluate.hpp"
 #include "tests/support/reference_data.hpp"
 
 namespace gyrotwin {
@@ -12,39 +13,58 @@ using model::Axis;
 using model::Body;
 using model::Drive;
 using model::DriveMode;
+using model::Gimbal;
+using model::Gyro;
 using model::Input;
+using model::kGround;
 using model::Machine;
-using model::Tree;
+using model::Shape;
 
-std::string refusal(std::vector<Body> bodies, int coordinates) {
+constexpr Shape kPlain = Shape().hang(kGround, kGround, {{Axis::kX, 0}});
+constexpr Shape kTurning = Shape(kPlain).with_rotor();
+constexpr Shape kCarrying = Shape(kPlain).gimbal(0);
+
+/// About the z axis of the body that carries it.
+Gyro gyro(int rotor_index) {
+  return {.pivot = {0, 0, 1},
+          .axis = {1, 0, 0},
+          .raised = {0, 1, 0},
+          .mass = 1.0,
+          .cm_distance = 0.1,
+          .axial_inertia = 2.0,
+          .planar_inertia = 1.0,
+          .rotor_inertia = 1.0,
+          .rotor_index = rotor_index};
+}
+
+template <Shape shape>
+std::string refusal(const std::vector<Body>& bodies, const std::vector<Gimbal>& gimbals) {
   try {
-    const Tree tree(std::move(bodies), coordinates);
+    model::make_tree<shape>(bodies, gimbals);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
   return "";
 }
 
-TEST(TreeContract, RefusesWhatItCannotHold) {
+TEST(TreeContract, RefusesWhatItsShapeIsNot) {
   const Body plain;
-  EXPECT_EQ(refusal({plain}, 1), "");
-  EXPECT_EQ(refusal({plain}, 0), "tree: 1 to 6 coordinates");
-  EXPECT_EQ(refusal({plain}, 7), "tree: 1 to 6 coordinates");
-  EXPECT_EQ(refusal(std::vector<Body>(7), 1), "tree: at most 6 bodies");
+  const std::string numbers = "tree: its shape has other numbers of bodies and gimbals";
+  EXPECT_EQ(refusal<kPlain>({plain}, {}), "");
+  EXPECT_EQ(refusal<kPlain>({}, {}), numbers);
+  EXPECT_EQ(refusal<kPlain>({plain, plain}, {}), numbers);
+  EXPECT_EQ(refusal<kCarrying>({plain}, {}), numbers);
+  EXPECT_EQ(refusal<kTurning>({plain}, {}), "tree: no such rotor");
   Body body;
-  body.position_parent = 1;
-  EXPECT_EQ(refusal({plain, body}, 1), "tree: body 1: parents must come first");
-  body = plain;
-  body.orientation_parent = 0;
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: parents must come first");
-  body = plain;
-  body.rotations.assign(5, {Axis::kX, 0});
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: at most 4 rotations");
-  body.rotations = {{Axis::kX, 1}};
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: no such coordinate");
-  body = plain;
   body.rotor_index = 4;
-  EXPECT_EQ(refusal({body}, 1), "tree: body 0: no such rotor");
+  EXPECT_EQ(refusal<kTurning>({body}, {}), "tree: no such rotor");
+  EXPECT_EQ(refusal<kCarrying>({plain}, {Gimbal({gyro(4)})}), "tree: no such rotor");
+  body = plain;
+  body.cm = {0.1, 0, 0};
+  EXPECT_EQ(refusal<kPlain>({body}, {}), "tree: a balanced body has its centre of mass on z");
+  EXPECT_EQ(refusal<kCarrying>({plain}, {Gimbal({gyro(0)})}),
+            "tree: the gyros of a balanced body are not alike");
+  EXPECT_THROW(Gimbal(std::vector<Gyro>(5, gyro(0))), std::invalid_argument);
 }
 
 TEST(BuilderContract, UmbrellaHasThreeOrFourGyros) {

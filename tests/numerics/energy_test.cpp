@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "services/model/contact.hpp"
+#include "tests/support/bodies.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
 #include "tests/support/simulate.hpp"
@@ -115,16 +116,16 @@ TEST(Energy, ContactAndFrictionOnlyTakeIt) {
 /// T0, the part of the kinetic energy that the support's turning gives even to coordinates at rest,
 /// rotors' momentum included.
 double turning_energy(const Machine& machine, const State& state, const Input& input) {
-  Motion motion;
-  machine.tree.evaluate<double>(state.q, Coordinates::Zero(), state.rotor_speed,
-                                {Vector3d::Zero(), input.yaw_rate}, motion);
+  const State at_rest{state.q, Coordinates::Zero(), state.rotor_speed};
+  const model::Support turning{Vector3d::Zero(), input.yaw_rate};
   double T0 = 0.0;
-  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
-    const model::Body& body = machine.tree.bodies()[b];
-    const Vector3d w = motion.frame[b].R.transpose() * motion.frame[b].omega;
-    T0 += 0.5 * body.mass * motion.v_cm[b].squaredNorm() +
-          0.5 * w.dot(body.inertia.cwiseProduct(w)) + w.dot(motion.h[b]);
+  for (const MovingBody& body : moving_bodies(machine, at_rest, turning)) {
+    const Vector3d w = body.omega;
+    T0 += 0.5 * body.mass * body.v.squaredNorm() + 0.5 * w.dot(body.inertia * w);
+    if (body.rotor_index >= 0) T0 += state.rotor_speed[body.rotor_index] * w.dot(body.rotor_axis);
   }
+  Motion motion;
+  machine.tree.evaluate(at_rest.q, at_rest.v, {at_rest.rotor_speed}, turning, motion);
   for (const model::PointMass& added : input.added) {
     const Vector3d p = motion.frame[0].R * added.position;
     T0 += 0.5 * added.mass * Vector3d(0, 0, input.yaw_rate).cross(p).squaredNorm();
@@ -149,10 +150,13 @@ double energy_rate(const Machine& machine, const State& state, const Input& inpu
 /// Powers, seen from the support, of everything that is not in that energy [W].
 std::vector<double> powers(const Machine& machine, const State& state, const Input& input) {
   Motion motion;
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d::Zero()}, motion);
-  const auto& S = motion.frame[0];
-  const Vector3d arm = S.R * machine.push_point;
-  std::vector<double> P{input.force.dot(S.v + S.omega.cross(arm)), input.moment.dot(S.omega)};
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d::Zero()}, motion);
+  const Eigen::Matrix3d& R_S = motion.frame[0].R;
+  const Vector3d omega_S = R_S * motion.frame[0].omega;
+  const auto velocity = [&](const Vector3d& position) {
+    return Vector3d(omega_S.cross(R_S * position));
+  };
+  std::vector<double> P{input.force.dot(velocity(machine.push_point)), input.moment.dot(omega_S)};
   for (int i = 0; i < machine.coordinates(); ++i) {
     P.push_back(-machine.damping[i] * state.v[i] * state.v[i]);
   }
@@ -162,17 +166,12 @@ std::vector<double> powers(const Machine& machine, const State& state, const Inp
   }
 
   // The support's acceleration on all masses; rotors' run-up against their frames; the load cell.
-  const auto& bodies = machine.tree.bodies();
-  const auto velocity = [&S](const Vector3d& position) {
-    return Vector3d(S.v + S.omega.cross(S.R * position));
-  };
   const model::RotorSpeeds n_t = machine.rotor_acceleration(state, input);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const auto& frame = motion.frame[b];
-    P.push_back(-bodies[b].mass * input.ground_acceleration.dot(motion.v_cm[b]));
-    if (bodies[b].rotor_index < 0) continue;
-    const Vector3d omega = frame.omega + Vector3d(0, 0, input.yaw_rate);
-    P.push_back(-n_t[bodies[b].rotor_index] * omega.dot(frame.R * bodies[b].rotor));
+  for (const MovingBody& body : moving_bodies(machine, state, {Vector3d::Zero()})) {
+    P.push_back(-body.mass * input.ground_acceleration.dot(body.v));
+    if (body.rotor_index < 0) continue;
+    const Vector3d omega = body.omega + Vector3d(0, 0, input.yaw_rate);
+    P.push_back(-n_t[body.rotor_index] * omega.dot(body.rotor_axis));
   }
   for (const model::PointMass& added : input.added) {
     P.push_back(-added.mass * input.ground_acceleration.dot(velocity(added.position)));
@@ -184,8 +183,8 @@ std::vector<double> powers(const Machine& machine, const State& state, const Inp
   if (machine.disc_body == model::kFixed) return P;
 
   const auto& D = motion.frame[machine.disc_body];
-  const Vector3d z_D = D.R.col(2), z_S = S.R.col(2);
-  const Vector3d w = D.omega - S.omega;
+  const Vector3d z_D = D.R.col(2), z_S = R_S.col(2);
+  const Vector3d w = D.R * D.omega - omega_S;
   const double spin = w.dot(z_D);
   P.push_back(-machine.disc_friction.viscous * spin * spin);
   P.push_back(-machine.disc_friction.coulomb * std::tanh(spin / 0.05) * spin);
@@ -199,14 +198,16 @@ std::vector<double> powers(const Machine& machine, const State& state, const Inp
   // Contact: what the normal force takes beyond the spring, and the rolling drag.
   if (!machine.track) return P;
   const model::Track& track = *machine.track;
-  for (int b = 2; b < static_cast<int>(bodies.size()); ++b) {
-    const model::TipMotion<double> tip = model::tip_motion(track, motion, b);
-    const Vector3d v_t = tip.v_rel - z_S.dot(tip.v_rel) * z_S;
-    for (const auto& in : {model::lower_indentation(track, motion, tip),
-                           model::upper_indentation(track, motion, tip)}) {
-      if (in.depth <= 0.0) continue;
-      const double force = model::normal_force(track, in);
-      P.push_back(-(force - track.stiffness * std::pow(in.depth, 1.5)) * in.rate);
+  const auto disc = model::disc_motion(machine, motion);
+  const auto tips = model::tips_of(machine, disc, motion, state);
+  for (int j = 0; j < machine.rotors; ++j) {
+    const Vector3d v_rel = D.R * tips.v_rel.row(j).matrix().transpose();
+    const Vector3d v_t = v_rel - z_S.dot(v_rel) * z_S;
+    for (const auto& in : {tips.lower, tips.upper}) {
+      const double depth = in.depth[j];
+      if (depth <= 0.0) continue;
+      const double force = model::normal_force(track, in)[j];
+      P.push_back(-(force - track.stiffness * std::pow(depth, 1.5)) * in.rate[j]);
       P.push_back(-track.rolling_drag * force * v_t.squaredNorm() /
                   std::sqrt(v_t.squaredNorm() + 1e-4));
     }

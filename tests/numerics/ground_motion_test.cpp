@@ -6,6 +6,7 @@
 
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
+#include "tests/support/turned_shape.hpp"
 
 namespace gyrotwin {
 namespace {
@@ -13,14 +14,13 @@ namespace {
 using Eigen::Vector3d;
 using model::Arrangement;
 using model::Axis;
-using model::Body;
 using model::Coordinates;
-using model::Gimbal;
 using model::Input;
 using model::kGround;
 using model::Machine;
 using model::Motion;
 using model::Mount;
+using model::Shape;
 using model::State;
 using model::TrackKind;
 using model::Tree;
@@ -45,32 +45,32 @@ std::vector<Machine> every_machine(Random& random) {
   return machines;
 }
 
-/// The tree with one coordinate held where it is, to make room for another.
-Tree without(const Tree& tree, int coordinate, double q) {
-  std::vector<Body> bodies = tree.bodies();
-  for (Body& body : bodies) {
-    for (model::Rotation& r : body.rotations) {
-      if (r.coordinate == coordinate) r = {r.axis, model::kFixed, 1.0, r.offset + r.sense * q};
-      if (r.coordinate > coordinate) --r.coordinate;
-    }
-  }
-  std::vector<Gimbal> gimbals;
-  for (const Gimbal& gimbal : tree.gimbals()) {
-    const int k = gimbal.coordinate();
-    gimbals.emplace_back(gimbal.carrier(), k > coordinate ? k - 1 : k, gimbal.gyros());
-  }
-  return Tree(std::move(bodies), std::move(gimbals), tree.coordinates() - 1);
+struct Trees {
+  Tree tree, with_yaw;
+};
+
+template <Shape shape>
+Trees trees_of(const Machine& machine) {
+  const Tree tree = model::make_tree<shape>(machine.tree.bodies(), machine.tree.gimbals());
+  return {tree, turned_tree<shape, Axis::kZ>(tree)};
 }
 
-/// The same bodies with the support's yaw as one coordinate more.
-Tree with_yaw(const Tree& tree) {
-  std::vector<Body> bodies = tree.bodies();
-  for (Body& body : bodies) {
-    if (body.orientation_parent != kGround) continue;
-    body.rotations.insert(body.rotations.begin(), {Axis::kZ, tree.coordinates()});
-  }
-  return Tree(std::move(bodies), tree.gimbals(), tree.coordinates() + 1);
-}
+// With the disc held, to make room for the yaw.
+constexpr Shape kHeldDisc = Shape()
+                                .hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}})
+                                .hang(0, kGround, {{Axis::kX, 2}, {Axis::kY, 3}})
+                                .gimbal(1);
+
+/// As every_machine() has them.
+constexpr Trees (*kTreesOf[])(const Machine&) = {
+    trees_of<shape_of(Mount::kLevel)>,
+    trees_of<shape_of(Mount::kRigid)>,
+    trees_of<kHeldDisc>,
+    trees_of<shape_of(Arrangement::kSingle)>,
+    trees_of<shape_of(Arrangement::kPair)>,
+    trees_of<shape_of(Arrangement::kTwoPairs)>,
+    trees_of<model::kGyroscopeShape>,
+};
 
 /// A steady turn is a yaw coordinate whose second derivative is kept 0: the rows of all other
 /// coordinates are the same, whatever the yaw angle.
@@ -78,21 +78,19 @@ TEST(GroundMotion, TurnIsAYawAtConstantRate) {
   Random random(1);
   double worst_M = 0.0, worst_f = 0.0, effect = 0.0;
   for (int i = 0; i < 100; ++i) {
-    for (const Machine& machine : every_machine(random)) {
-      const Tree tree = machine.coordinates() < model::kMaxCoordinates
-                            ? machine.tree
-                            : without(machine.tree, machine.layout.disc, random.between(-3, 3));
+    const auto machines = every_machine(random);
+    for (std::size_t k = 0; k < machines.size(); ++k) {
+      const auto [tree, with_yaw] = kTreesOf[k](machines[k]);
       const int n = tree.coordinates();
-      const State state = random.state(machine, 0.7, 3.0);
+      const State state = random.state(machines[k], 0.7, 3.0);
       const double yaw_rate = random.between(-2, 2);
       Coordinates q = state.q, v = state.v;
-      if (n < machine.coordinates()) q[n] = v[n] = 0.0;
       Motion turning, resting, driven;
       tree.evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g), yaw_rate}, turning);
       tree.evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g)}, resting);
       q[n] = random.between(-3, 3);
       v[n] = yaw_rate;
-      with_yaw(tree).evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g)}, driven);
+      with_yaw.evaluate(q, v, {state.rotor_speed}, {Vector3d(0, 0, g)}, driven);
 
       const double f_scale = turning.f.cwiseAbs().maxCoeff();
       const double M_scale = resting.M.diagonal().head(n).maxCoeff();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "services/model/evaluate.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
 #include "tests/support/simulate.hpp"
@@ -13,51 +14,68 @@ namespace gyrotwin {
 namespace {
 
 using Eigen::Vector3d;
+using model::Arrangement;
 using model::Body;
 using model::Coordinates;
 using model::Input;
 using model::Machine;
 using model::Mount;
 using model::PointMass;
+using model::Shape;
 using model::State;
-using model::Tree;
 using reference::Random;
 
+constexpr Shape with_body(Shape shape) { return shape.hang(0, 0, {}); }
+
 /// The machine with the mass built in, as a body of its own on the structure.
+template <Shape shape>
 Machine with_body(const Machine& machine, const PointMass& added) {
   std::vector<Body> bodies = machine.tree.bodies();
   Body body;
-  body.position_parent = body.orientation_parent = 0;
   body.pivot = added.position;
   body.mass = added.mass;
   bodies.push_back(body);
   Machine loaded = machine;
-  loaded.tree = Tree(std::move(bodies), machine.coordinates());
+  loaded.tree = model::make_tree<with_body(shape)>(bodies, machine.tree.gimbals());
   if (machine.unheld) {
-    loaded.unheld = std::make_shared<const Machine>(with_body(*machine.unheld, added));
+    loaded.unheld = std::make_shared<const Machine>(
+        with_body<shape_of(Mount::kUniversalJoint)>(*machine.unheld, added));
   }
   return loaded;
+}
+
+struct Loadable {
+  Machine machine;
+  Machine (*with_body)(const Machine&, const PointMass&);
+};
+
+std::vector<Loadable> loadable_machines(Random& random) {
+  std::vector<Loadable> all;
+  auto p = random.umbrella();
+  p.mount = Mount::kLevel;
+  all.push_back({model::build(p), with_body<shape_of(Mount::kLevel)>});
+  p = random.umbrella();
+  p.mount = Mount::kRigid;
+  all.push_back({model::build(p), with_body<shape_of(Mount::kRigid)>});
+  p = random.umbrella();
+  p.mount = Mount::kUniversalJoint;
+  all.push_back({model::build(p), with_body<shape_of(Mount::kUniversalJoint)>});
+  all.push_back({model::build(random.gimballed(Arrangement::kTwoPairs)),
+                 with_body<shape_of(Arrangement::kTwoPairs)>});
+  all.push_back({model::build(random.gyroscope()), with_body<model::kGyroscopeShape>});
+  return all;
 }
 
 TEST(AddedMass, IsABodyOfTheStructure) {
   Random random(1);
   double worst_a = 0.0, worst_energy = 0.0, worst_moment = 0.0;
   for (int i = 0; i < 300; ++i) {
-    std::vector<Machine> machines;
-    for (const Mount mount : {Mount::kLevel, Mount::kRigid, Mount::kUniversalJoint}) {
-      auto p = random.umbrella();
-      p.mount = mount;
-      p.gyros.count = 3;  // leaves room for a body
-      machines.push_back(model::build(p));
-    }
-    machines.push_back(model::build(random.gimballed(model::Arrangement::kTwoPairs)));
-    machines.push_back(model::build(random.gyroscope()));
-    for (const Machine& machine : machines) {
+    for (const auto& [machine, with_the_body] : loadable_machines(random)) {
       Input built_in = random.input();
       built_in.added = {};
       Input carried = built_in;
       carried.added[i % model::kMaxAddedMasses] = {random.between(0.1, 2), random.vector(0.5)};
-      const Machine loaded = with_body(machine, carried.added[i % model::kMaxAddedMasses]);
+      const Machine loaded = with_the_body(machine, carried.added[i % model::kMaxAddedMasses]);
 
       const State state = random.state(machine, 0.3, 2.0);
       const Coordinates expected = loaded.acceleration(state, built_in);

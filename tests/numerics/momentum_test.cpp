@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tests/support/bodies.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
 #include "tests/support/simulate.hpp"
@@ -45,12 +46,12 @@ Vector3d angular_momentum(const Machine& machine, const State& state, const Inpu
 /// the support's acceleration, force and moment of the input, load cell.
 Vector3d known_moment(const Machine& machine, const State& state, const Input& input) {
   Motion motion;
-  machine.tree.evaluate(state.q, state.v, state.rotor_speed, {Vector3d::Zero()}, motion);
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, {Vector3d::Zero()}, motion);
   const Eigen::Matrix3d& R_S = motion.frame[0].R;
   const Vector3d weight = -Vector3d(0, 0, machine.gravity) - input.ground_acceleration;
   Vector3d moment = input.moment + (R_S * machine.push_point).cross(input.force);
-  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
-    moment += motion.p_cm[b].cross(machine.tree.bodies()[b].mass * weight);
+  for (const MovingBody& body : moving_bodies(machine, state, {Vector3d::Zero()})) {
+    moment += body.p.cross(body.mass * weight);
   }
   for (const model::PointMass& added : input.added) {
     moment += (R_S * added.position).cross(added.mass * weight);

@@ -1,0 +1,226 @@
+// M and f of a tree, written out for its shape. Derivation: README.md, section 2.
+#pragma once
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "services/model/sine_cosine.hpp"
+#include "services/model/tree.hpp"
+#include "services/model/unroll.hpp"
+
+namespace gyrotwin::model {
+
+/// One evaluation for one shape: every index is a constant.
+template <Shape shape, class S>
+class Evaluator {
+ public:
+  Evaluator(const Tree& tree, const CoordinatesOf<S>& v, const Rotors& rotors, MotionOf<S>& motion)
+      : tree_(tree), v_(v), rotors_(rotors), motion_(motion) {}
+
+  void run(const CoordinatesOf<S>& q, const Support& support) {
+    sine_cosine<shape.coordinates>(q.data(), motion_.sin_q.data(), motion_.cos_q.data());
+    motion_.f.setZero();
+    count_to<shape.coordinates>([&](auto i) {
+      for (int j = 0; j <= i; ++j) M(i, j) = 0.0;
+    });
+    count_to<shape.bodies.size>([&](auto b) {
+      place<b>(support);
+      turn<b>(support);
+      load<b>();
+    });
+  }
+
+ private:
+  /// sum += a x b, by components: Eigen writes the product by components too, and reading it back
+  /// in pairs stalls.
+  static void add_cross(Vector3<S>& sum, const Vector3<S>& a, const Vector3<S>& b) {
+    sum.x() += a.y() * b.z() - a.z() * b.y();
+    sum.y() += a.z() * b.x() - a.x() * b.z();
+    sum.z() += a.x() * b.y() - a.y() * b.x();
+  }
+
+  /// The element in the lower triangle.
+  S& M(int i, int j) { return motion_.M(std::max(i, j), std::min(i, j)); }
+
+  /// The pivot, carried by the position parent: in its axes, or in the world's for a body that is
+  /// turned against the world.
+  template <int b>
+  void place(const Support& support) {
+    constexpr Shape::Joint joint = shape.bodies[b];
+    FrameOf<S>& frame = motion_.frame[b];
+    if constexpr (joint.position_parent == kGround) {
+      frame.a0 = support.acceleration.cast<S>();
+    } else {
+      constexpr Shape::Joint carrier = shape.bodies[joint.position_parent];
+      const FrameOf<S>& parent = motion_.frame[joint.position_parent];
+      const Vector3<S> rho = tree_.bodies()[b].pivot.template cast<S>();
+      Vector3<S> v_rho = Vector3<S>::Zero();
+      add_cross(v_rho, parent.omega, rho);
+      frame.a0 = parent.a0;
+      add_cross(frame.a0, parent.alpha0, rho);
+      add_cross(frame.a0, parent.omega, v_rho);
+      each<joint.linear>([&](auto i) {
+        frame.Jv[i].setZero();
+        if constexpr (carrier.linear.has(i)) frame.Jv[i] = parent.Jv[i];
+        if constexpr (carrier.angular.has(i)) add_cross(frame.Jv[i], parent.Jw[i], rho);
+      });
+      if constexpr (joint.orientation_parent == kGround) {
+        frame.a0 = parent.R * frame.a0;
+        each<joint.linear>([&](auto i) { frame.Jv[i] = parent.R * frame.Jv[i]; });
+      }
+    }
+  }
+
+  /// The orientation, turned from the orientation parent's by the joint's rotations.
+  template <int b>
+  void turn(const Support& support) {
+    constexpr Shape::Joint joint = shape.bodies[b];
+    FrameOf<S>& frame = motion_.frame[b];
+    if constexpr (joint.orientation_parent == kGround) {
+      frame.R.setIdentity();
+      frame.omega = {S(0.0), S(0.0), S(support.yaw_rate)};
+      frame.alpha0.setZero();
+    } else {
+      const FrameOf<S>& parent = motion_.frame[joint.orientation_parent];
+      frame.R = parent.R;
+      frame.omega = parent.omega;
+      frame.alpha0 = parent.alpha0;
+      each<joint.inherited()>([&](auto i) { frame.Jw[i] = parent.Jw[i]; });
+    }
+    count_to<joint.rotations.size>([&](auto r) { turn<b, r>(); });
+  }
+
+  /// R <- R Rot, and the same vectors in the turned axes: x <- Rot' x.
+  template <int b, int r>
+  void turn() {
+    constexpr Shape::Joint joint = shape.bodies[b];
+    constexpr Rotation rotation = joint.rotations[r];
+    constexpr int k = rotation.coordinate, e = static_cast<int>(rotation.axis);
+    constexpr int e1 = (e + 1) % 3, e2 = (e + 2) % 3;
+    const S c = motion_.cos_q[k], s = rotation.sense * motion_.sin_q[k];
+    FrameOf<S>& frame = motion_.frame[b];
+    const auto resolve = [&](Vector3<S>& x) {
+      const S x1 = x[e1], x2 = x[e2];
+      x[e1] = c * x1 + s * x2;
+      x[e2] = c * x2 - s * x1;
+    };
+    const Vector3<S> R1 = frame.R.col(e1), R2 = frame.R.col(e2);
+    frame.R.col(e1) = c * R1 + s * R2;
+    frame.R.col(e2) = c * R2 - s * R1;
+    resolve(frame.omega);
+    resolve(frame.alpha0);
+    resolve(frame.a0);
+    each<joint.linear>([&](auto j) { resolve(frame.Jv[j]); });
+    each<joint.inherited()>([&](auto j) { resolve(frame.Jw[j]); });
+    count_to<r>([&](auto before) { resolve(frame.Jw[joint.rotations[before].coordinate]); });
+
+    // alpha <- alpha + omega x (q' e), omega <- omega + q' e, Jw = e.
+    const S rate = rotation.sense * v_[k];
+    frame.alpha0[e1] += frame.omega[e2] * rate;
+    frame.alpha0[e2] -= frame.omega[e1] * rate;
+    frame.omega[e] += rate;
+    frame.Jw[k].setZero();
+    frame.Jw[k][e] = rotation.sense;
+  }
+
+  /// What a body with its gyros adds to M and f; all about its pivot.
+  template <int b>
+  void load() {
+    constexpr Shape::Joint joint = shape.bodies[b];
+    using AnyMoments = std::conditional_t<joint.balanced, BalancedMoments<S>, Moments<S>>;
+    const auto& [R, omega, a, alpha, Jv, Jw] = motion_.frame[b];
+    MomentaOf<S>& momenta = motion_.momenta[b];
+
+    // F and N, the force and the moment that the accelerations at q'' = 0 take.
+    const double m = tree_.mass(b);
+    AnyMoments moments;
+    moments.add(S(1.0), tree_.moments(b));
+    Vector3<S> F = m * a;
+    Vector3<S> N = Vector3<S>::Zero();
+    momenta.swing.setZero();
+    momenta.angular.setZero();
+    momenta.rotors.setZero();
+    if constexpr (joint.has_rotor) {
+      const Body& body = tree_.bodies()[b];
+      momenta.rotors = (body.rotor * rotors_.speed[body.rotor_index]).template cast<S>();
+      N += body.rotor * rotors_.rate[body.rotor_index];
+    }
+    count_to<shape.gimbals.size>([&](auto g) {
+      if constexpr (shape.gimbals[g].carrier == b) {
+        constexpr int k = shape.gimbals[g].coordinate;
+        const Gimbal& gimbal = tree_.gimbals()[g];
+        const S rate = v_[k];
+        const auto share =
+            gimbal.template at<AnyMoments>(motion_.cos_q[k], motion_.sin_q[k], rotors_);
+        const Vector3<S> turning = share.moments_q.second_times(omega);
+        moments.add(share.moments);
+        momenta.swing += rate * share.moments_q.first_vector();
+        momenta.rotors += share.h;
+        F -= (rate * rate) * share.moments.first_vector();
+        N += rate * (turning + share.h_q) + share.h_t;
+        motion_.f[k] +=
+            omega.dot(Vector3<S>(0.5 * turning + share.h_q)) - share.moments_q.first_dot(a);
+        M(k, k) += gimbal.inertia();
+        each<joint.linear>([&](auto i) { M(k, i) += share.moments_q.first_dot(Jv[i]); });
+        if constexpr (!joint.balanced) {
+          momenta.angular += rate * share.swing;
+          N += (rate * rate) * share.swing_q;
+          motion_.f[k] -= share.swing.dot(alpha);
+          each<joint.angular>([&](auto i) { M(k, i) += share.swing.dot(Jw[i]); });
+        }
+      }
+    });
+    momenta.first_moment = moments.first_vector();
+    momenta.angular += moments.second_times(omega) + momenta.rotors;
+    N += moments.second_times(alpha) + moments.first_cross(a);
+    add_cross(N, omega, momenta.angular);
+    F -= moments.first_cross(alpha);
+    add_cross(F, omega, 2.0 * momenta.swing - moments.first_cross(omega));
+
+    // M_ij += Jv_i . p_j + Jw_i . l_j with the momenta p_j, l_j that a unit rate of q_j gives.
+    each<joint.linear>([&](auto i) {
+      const Vector3<S> m_Jv = m * Jv[i];
+      const Vector3<S> moment = moments.first_cross(Jv[i]);
+      motion_.f[i] -= Jv[i].dot(F);
+      each<joint.linear>([&](auto j) {
+        if constexpr (j <= i) M(i, j) += m_Jv.dot(Jv[j]);
+      });
+      each<joint.angular>([&](auto j) {
+        const S once = moment.dot(Jw[j]);
+        M(i, j) += i == j ? S(2.0 * once) : once;
+      });
+    });
+    each<joint.angular>([&](auto i) {
+      const Vector3<S> I_Jw = moments.second_times(Jw[i]);
+      motion_.f[i] -= Jw[i].dot(N);
+      each<joint.angular>([&](auto j) {
+        if constexpr (j <= i) M(i, j) += I_Jw.dot(Jw[j]);
+      });
+    });
+  }
+
+  const Tree& tree_;
+  const CoordinatesOf<S>& v_;
+  const Rotors& rotors_;
+  MotionOf<S>& motion_;
+};
+
+/// For a tree of that shape.
+template <Shape shape, class S>
+[[gnu::flatten]] void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
+                                  const CoordinatesOf<S>& v, const Rotors& rotors,
+                                  const Support& support, MotionOf<S>& motion) noexcept {
+  Evaluator<shape, S>(tree, v, rotors, motion).run(q, support);
+}
+
+/// The tree of that shape.
+/// @throws std::invalid_argument when bodies and gimbals are not as the shape says
+template <Shape shape>
+Tree make_tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals) {
+  return Tree(shape, {evaluate_as<shape, double>, evaluate_as<shape, Dual>}, std::move(bodies),
+              std::move(gimbals));
+}
+
+}  // namespace gyrotwin::model

@@ -1,0 +1,125 @@
+// What machines are made of, without numbers: known at compile time, so that the compiler writes
+// each kind's equations out. Derivation: README.md, section 2.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+
+namespace gyrotwin::model {
+
+inline constexpr int kMaxCoordinates = 6;
+inline constexpr int kMaxBodies = 3;
+inline constexpr int kMaxRotors = 4;
+
+/// "No body": the ground as a parent.
+inline constexpr int kGround = -1;
+
+enum class Axis : std::uint8_t { kX = 0, kY = 1, kZ = 2 };
+
+/// A turn by `sense * q[coordinate]` about an axis of the frame reached so far.
+struct Rotation {
+  Axis axis = Axis::kZ;
+  int coordinate = 0;
+  int sense = 1;  ///< 1 or -1
+};
+
+/// A few items, in order.
+template <class T, int kCapacity>
+struct ShortList {
+  std::array<T, static_cast<std::size_t>(kCapacity)> item{};
+  int size = 0;
+
+  constexpr ShortList() = default;
+  constexpr ShortList(std::initializer_list<T> items) {
+    for (const T& x : items) add(x);
+  }
+  constexpr void add(const T& x) { item[static_cast<std::size_t>(size++)] = x; }
+  constexpr const T& operator[](int i) const { return item[static_cast<std::size_t>(i)]; }
+  constexpr const T* begin() const { return item.data(); }
+  constexpr const T* end() const { return item.data() + size; }
+};
+
+/// Indices of coordinates, none twice.
+struct IndexList : ShortList<int, kMaxCoordinates> {
+  using ShortList::ShortList;
+  constexpr bool has(int i) const {
+    for (int known : *this) {
+      if (known == i) return true;
+    }
+    return false;
+  }
+  constexpr void add_new(int i) {
+    if (!has(i)) add(i);
+  }
+};
+
+/// Bodies joined by revolute joints whose angles are coordinates, and gimbals on them.
+struct Shape {
+  struct Joint {
+    int position_parent = kGround;     ///< carries the pivot: the ground, or body 0
+    int orientation_parent = kGround;  ///< the position parent, or the ground
+    ShortList<Rotation, 4> rotations;  ///< from the orientation parent to the body
+    bool has_rotor = false;            ///< of constant direction in the body
+    /// With its gyros at any angle: cm on z, principal axes, and gyros that turn leave no momentum
+    /// of turning.
+    bool balanced = true;
+    IndexList linear;   ///< coordinates that move the pivot
+    IndexList angular;  ///< coordinates that turn the body
+
+    /// Of `angular` those that turn the orientation parent.
+    constexpr IndexList inherited() const {
+      IndexList list;
+      for (int i = 0; i < angular.size - rotations.size; ++i) list.add(angular[i]);
+      return list;
+    }
+  };
+  struct Hinge {
+    int carrier = 0;
+    int coordinate = 0;
+  };
+
+  int coordinates = 0;
+  ShortList<Joint, kMaxBodies> bodies;
+  ShortList<Hinge, kMaxRotors> gimbals;
+
+  /// Adds a body. Coordinates are counted.
+  constexpr Shape& hang(int position_parent, int orientation_parent,
+                        const ShortList<Rotation, 4>& rotations) {
+    Joint joint;
+    joint.position_parent = position_parent;
+    joint.orientation_parent = orientation_parent;
+    joint.rotations = rotations;
+    if (position_parent != kGround) {
+      for (int i : bodies[position_parent].linear) joint.linear.add_new(i);
+      for (int i : bodies[position_parent].angular) joint.linear.add_new(i);
+    }
+    if (orientation_parent != kGround) joint.angular = bodies[orientation_parent].angular;
+    for (const Rotation& r : rotations) {
+      joint.angular.add_new(r.coordinate);
+      coordinates = std::max(coordinates, r.coordinate + 1);
+    }
+    bodies.add(joint);
+    return *this;
+  }
+
+  /// Of the body added last.
+  constexpr Shape& unbalanced() {
+    bodies.item[static_cast<std::size_t>(bodies.size - 1)].balanced = false;
+    return *this;
+  }
+  constexpr Shape& with_rotor() {
+    bodies.item[static_cast<std::size_t>(bodies.size - 1)].has_rotor = true;
+    return *this;
+  }
+
+  /// Adds gyros that turn on a body by the next coordinate.
+  constexpr Shape& gimbal(int carrier) {
+    gimbals.add({carrier, coordinates++});
+    return *this;
+  }
+};
+
+}  // namespace gyrotwin::model
