@@ -1,0 +1,110 @@
+"""All programs, round after round, into one result."""
+
+import sys
+
+from . import machine
+from .figures import figure_of
+from .programs import Failed, build, measure
+from .summary import Summary, judge
+from .text import limit, measured, with_quartiles
+from .values import Value, is_ours
+
+FORMAT = 1  # of the JSON file
+
+
+def say(text=""):
+    print(text, flush=True)
+
+
+def built(programs):
+    """Builds for all programs. Returns those that can run, and why the others cannot."""
+    ready, left_out = [], {}
+    for program in programs:
+        try:
+            build(program)
+            ready.append(program)
+        except Failed as failed:
+            left_out[program.name] = str(failed)
+            say(f"left out: {program.name}: {failed}")
+    return ready, left_out
+
+
+def run(programs, left_out, count, quick):
+    """Runs the programs in turns, `count` rounds. A program that fails is left out from then on.
+    Returns the result as it is written to a file."""
+    facts = machine.facts() | {"load_before": machine.load_average()}
+    rounds, running = [], list(programs)
+    for number in range(1, count + 1):
+        for program in [p for p in running if number <= p.rounds]:
+            try:
+                values, mistakes, took_s = measure(program, quick)
+            except Failed as failed:
+                left_out[program.name] = f"round {number}: {failed}"
+                running.remove(program)
+                say(f"left out: {program.name}: {failed}")
+                continue
+            for mistake in mistakes:
+                print(f"{program.name}: {mistake}", file=sys.stderr, flush=True)
+            say(f"round {number} of {count}: {program.name}, {len(values)} values in {took_s:.0f} s")
+            rounds.append((number, program.name, values, mistakes))
+    facts["load_after"] = machine.load_average()
+    summary = Summary([(number, values) for number, _, values, _ in rounds])
+    return {
+        "format": FORMAT,
+        "machine": facts,
+        "quick": quick,
+        "left_out": left_out,
+        "rounds": [
+            {"round": number, "program": name, "malformed": mistakes,
+             "values": [vars(value) for value in values]}
+            for number, name, values, mistakes in rounds
+        ],
+        "summary": summary.as_json(),
+    }
+
+
+def values_of(result):
+    """[(round, [Value])] of a result, for Summary."""
+    return [(part["round"], [Value(**fields) for fields in part["values"]])
+            for part in result["rounds"]]
+
+
+def report(summary):
+    """Ratios, single values and goals as lines of text."""
+    lines = []
+    for name in summary.figures():
+        figure = figure_of(name)
+        lines += ["", figure.title]
+        for case in summary.cases(name):
+            for quantity in summary.quantities(name, case):
+                lines += _lines(summary, figure, case, quantity)
+        for j in judge(summary, figure):
+            share = j.goal.quantity in figure.percent
+            what = [j.case, figure.words.get(j.goal.quantity, j.goal.quantity)]
+            what += [j.goal.subject] * (j.goal.subject != "gyrotwin")
+            answer = {"yes": "reached", "no": "MISSED", "unsure": "unsure"}[j.reached]
+            lines.append(f"  {answer:8} {', '.join(filter(None, what))}: "
+                         f"{with_quartiles(j.found, j.unit, share)}; "
+                         f"goal {limit(j.goal, j.unit, share)}")
+    return lines
+
+
+def _lines(summary, figure, case, quantity):
+    """Ours over each peer's; of what has no peer, only what stands for a whole figure."""
+    unit = summary.units[(figure.name, case, quantity)]
+    share = quantity in figure.percent
+    what = ", ".join(filter(None, (case, figure.words.get(quantity, quantity))))
+    lines = []
+    for ours in filter(is_ours, summary.subjects(figure.name, case, quantity)):
+        found = summary.value(figure.name, case, quantity, ours)
+        peers = summary.peers(figure.name, case, quantity)
+        if case == "" and not peers:
+            lines.append(f"           {what}: {with_quartiles(found, unit, share)}")
+        for peer in peers:
+            ratio = summary.ratio(figure.name, case, quantity, peer, ours)
+            theirs = summary.value(figure.name, case, quantity, peer)
+            text = f"{measured(found.median, unit, share)} / {measured(theirs.median, unit, share)}"
+            if ratio:
+                text += f" = {with_quartiles(ratio, 'ratio')}"
+            lines.append(f"           {what}: {ours} / {peer} = {text}")
+    return lines
