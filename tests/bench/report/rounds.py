@@ -1,6 +1,8 @@
 """All programs, round after round, into one result."""
 
+import json
 import sys
+from dataclasses import astuple
 
 from . import machine
 from .figures import figure_of
@@ -54,18 +56,31 @@ def run(programs, left_out, count, quick):
         "machine": facts,
         "quick": quick,
         "left_out": left_out,
+        "columns": ", ".join(Value.__dataclass_fields__),
         "rounds": [
             {"round": number, "program": name, "malformed": mistakes,
-             "values": [vars(value) for value in values]}
+             "values": [[*astuple(value)[:-1], float(f"{value.value:.6g}")] for value in values]}
             for number, name, values, mistakes in rounds
         ],
         "summary": summary.as_json(),
     }
 
 
+def as_text(result):
+    """A result as JSON that differs line by line: one for each entry of a list."""
+    lines = []
+    for key, value in result.items():
+        if isinstance(value, list):
+            entries = ",\n  ".join(json.dumps(entry) for entry in value)
+            lines.append(f"{json.dumps(key)}: [\n  {entries}\n ]")
+        else:
+            lines.append(f"{json.dumps(key)}: {json.dumps(value)}")
+    return "{\n " + ",\n ".join(lines) + "\n}\n"
+
+
 def values_of(result):
     """[(round, [Value])] of a result, for Summary."""
-    return [(part["round"], [Value(**fields) for fields in part["values"]])
+    return [(part["round"], [Value(*fields) for fields in part["values"]])
             for part in result["rounds"]]
 
 

@@ -6,7 +6,7 @@ so a ratio is taken inside each round, and the median over the rounds is told, w
 
 import statistics
 from collections import defaultdict
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from .values import is_ours
 
@@ -19,6 +19,10 @@ class Spread:
     low: float  # first quartile
     high: float  # third quartile
     rounds: int
+
+    def as_json(self):
+        return {name: float(f"{value:.6g}") if isinstance(value, float) else value
+                for name, value in vars(self).items()}
 
     def within(self, holds):
         """"yes", "no", or "unsure" where the quartiles disagree. holds: value -> bool"""
@@ -109,10 +113,10 @@ class Summary:
                 for peer in self.peers(*key):
                     found = self.ratio(*key, peer, ours)
                     if found:
-                        ratios.append({"subject": ours, "peer": peer} | asdict(found))
+                        ratios.append({"subject": ours, "peer": peer} | found.as_json())
             entries.append({
                 "figure": key[0], "case": key[1], "quantity": key[2], "unit": self.units[key],
-                "values": {s: asdict(self.value(*key, s)) for s in subjects},
+                "values": {s: self.value(*key, s).as_json() for s in subjects},
                 "ratios": ratios,
             })
         return entries
