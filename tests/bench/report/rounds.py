@@ -1,7 +1,6 @@
 """All programs, round after round, into one result."""
 
 import json
-import sys
 from dataclasses import astuple
 
 from . import machine
@@ -32,23 +31,27 @@ def built(programs):
 
 
 def run(programs, left_out, count, quick):
-    """Runs the programs in turns, `count` rounds. A program that fails is left out from then on.
-    Returns the result as it is written to a file."""
+    """Runs the programs in turns, `count` rounds or until Ctrl-C. A program that fails is left out
+    from then on. Returns the result as it is written to a file."""
     facts = machine.facts() | {"load_before": machine.load_average()}
     rounds, running = [], list(programs)
-    for number in range(1, count + 1):
-        for program in [p for p in running if number <= p.rounds]:
-            try:
-                values, mistakes, took_s = measure(program, quick)
-            except Failed as failed:
-                left_out[program.name] = f"round {number}: {failed}"
-                running.remove(program)
-                say(f"left out: {program.name}: {failed}")
-                continue
-            for mistake in mistakes:
-                print(f"{program.name}: {mistake}", file=sys.stderr, flush=True)
-            say(f"round {number} of {count}: {program.name}, {len(values)} values in {took_s:.0f} s")
-            rounds.append((number, program.name, values, mistakes))
+    try:
+        for number in range(1, count + 1):
+            for program in [p for p in running if number <= p.rounds]:
+                try:
+                    values, mistakes, took_s = measure(program, quick)
+                except Failed as failed:
+                    left_out[program.name] = f"round {number}: {failed}"
+                    running.remove(program)
+                    say(f"left out: {program.name}: {failed}")
+                    continue
+                for mistake in mistakes:
+                    say(f"{program.name}: {mistake}")
+                say(f"round {number} of {count}: {program.name}, {len(values)} values "
+                    f"in {took_s:.0f} s")
+                rounds.append((number, program.name, values, mistakes))
+    except KeyboardInterrupt:
+        left_out["the rest"] = f"interrupted in round {number}"
     facts["load_after"] = machine.load_average()
     summary = Summary([(number, values) for number, _, values, _ in rounds])
     return {
