@@ -140,13 +140,15 @@ FIGURES = (
     Figure(
         "sweep", "Trajectories in sweeps",
         "`gyrotwin sweep` of 40 closed-loop runs by one worker and by two. Simulated time over "
-        "wall time of one core; efficiency is one worker's time over twice that of two.",
+        "CPU time; efficiency is one worker's wall time over twice that of two, and needs a "
+        "machine that does nothing else.",
         goals=(Goal("times_real_time", 300, at_least=True, case="prototype_b"),
                Goal("times_real_time", 2000, at_least=True, case="double_brennan"),
                Goal("times_real_time", 2000, at_least=True, case="brennan_monorail"),
                Goal("efficiency", 0.95, at_least=True), Goal("identical", 1, at_least=True)),
         plots=(Bars("times_real_time"), Bars("efficiency")),
         words={"times_real_time": "times real time, one core", "efficiency": "efficiency of two",
+               "cpu_of_two": "CPU time by two over by one",
                "identical": "same bytes by one and by two (1: yes)",
                "off": "the steps are off by"}),
     Figure(

@@ -67,7 +67,9 @@ def build(program):
         done = subprocess.run(["cmake", "--build", BUILD, "--target", target],
                               capture_output=True, text=True)
         if done.returncode != 0:
-            raise Failed(f"{target} is not built: {_end_of(done.stdout + done.stderr)}")
+            said = done.stdout + done.stderr
+            errors = [line for line in said.splitlines() if "error" in line.lower()]
+            raise Failed(f"{target} is not built: {_end_of((errors or [said])[0])}")
 
 
 def command(program, quick):

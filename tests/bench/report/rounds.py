@@ -93,9 +93,7 @@ def report(summary):
     for name in summary.figures():
         figure = figure_of(name)
         lines += ["", figure.title]
-        for case in summary.cases(name):
-            for quantity in summary.quantities(name, case):
-                lines += _lines(summary, figure, case, quantity)
+        lines += _values(summary, figure) + _ratios(summary, figure)
         for j in judge(summary, figure):
             share = j.goal.quantity in figure.percent
             what = [j.case, figure.words.get(j.goal.quantity, j.goal.quantity)]
@@ -107,22 +105,38 @@ def report(summary):
     return lines
 
 
-def _lines(summary, figure, case, quantity):
-    """Ours over each peer's; of what has no peer, only what stands for a whole figure."""
-    unit = summary.units[(figure.name, case, quantity)]
-    share = quantity in figure.percent
-    what = ", ".join(filter(None, (case, figure.words.get(quantity, quantity))))
+def _values(summary, figure):
+    """What has no peer: a line a quantity, with all its cases."""
+    told = {}
+    for case in summary.cases(figure.name):
+        for quantity in summary.quantities(figure.name, case):
+            if summary.peers(figure.name, case, quantity):
+                continue
+            for ours in summary.subjects(figure.name, case, quantity):
+                found = summary.value(figure.name, case, quantity, ours)
+                unit = summary.units[(figure.name, case, quantity)]
+                value = measured(found.median, unit, quantity in figure.percent)
+                told.setdefault((ours, quantity), []).append(f"{case}: {value}" if case else value)
+    several = len({ours for ours, _ in told}) > 1
+    return [f"           {ours + ', ' if several else ''}{figure.words.get(quantity, quantity)}: "
+            + ", ".join(values) for (ours, quantity), values in told.items()]
+
+
+def _ratios(summary, figure):
+    """Ours over each peer's, a line each."""
     lines = []
-    for ours in filter(is_ours, summary.subjects(figure.name, case, quantity)):
-        found = summary.value(figure.name, case, quantity, ours)
-        peers = summary.peers(figure.name, case, quantity)
-        if case == "" and not peers:
-            lines.append(f"           {what}: {with_quartiles(found, unit, share)}")
-        for peer in peers:
-            ratio = summary.ratio(figure.name, case, quantity, peer, ours)
-            theirs = summary.value(figure.name, case, quantity, peer)
-            text = f"{measured(found.median, unit, share)} / {measured(theirs.median, unit, share)}"
-            if ratio:
-                text += f" = {with_quartiles(ratio, 'ratio')}"
-            lines.append(f"           {what}: {ours} / {peer} = {text}")
+    for case in summary.cases(figure.name):
+        for quantity in summary.quantities(figure.name, case):
+            key = (figure.name, case, quantity)
+            unit, share = summary.units[key], quantity in figure.percent
+            what = ", ".join(filter(None, (case, figure.words.get(quantity, quantity))))
+            for ours in filter(is_ours, summary.subjects(*key)):
+                found = summary.value(*key, ours)
+                for peer in summary.peers(*key):
+                    theirs = summary.value(*key, peer)
+                    ratio = summary.ratio(*key, peer, ours)
+                    text = (f"{measured(found.median, unit, share)} / "
+                            f"{measured(theirs.median, unit, share)}")
+                    text += f" = {with_quartiles(ratio, 'ratio')}" if ratio else ""
+                    lines.append(f"           {what}: {ours} / {peer} = {text}")
     return lines

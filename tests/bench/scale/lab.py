@@ -7,6 +7,7 @@ Every rig has its own integrator and controller, prefix, id and port. Meant for 
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -58,6 +59,12 @@ def cpu_s(pid):
     """CPU time of a process since its start, all its threads [s]; exact, not in clock ticks."""
     threads = Path(f"/proc/{pid}/task").glob("*/schedstat")
     return 1e-9 * sum(int(thread.read_text().split()[0]) for thread in threads)
+
+
+def children_s():
+    """CPU time of all programs that this one has started and seen end [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 @dataclass
