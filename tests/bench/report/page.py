@@ -4,15 +4,17 @@ from html import escape
 from pathlib import Path
 
 from . import rows
-from .figures import Bars, Distribution, Growth, Ratios, figure_of
+from .figures import Bars, Distribution, Growth, Precision, Ratios, figure_of
 from .growth import growth
+from .precision import precision
 from .rounds import values_of
 from .summary import Summary, judge
 from .text import digits, limit, with_quartiles
 from .values import is_ours
 
 _STYLE = Path(__file__).with_name("style.css")
-_PLOTS = {Ratios: rows.ratios, Distribution: rows.distribution, Bars: rows.bars, Growth: growth}
+_ROWS = {Ratios: rows.ratios, Distribution: rows.distribution, Bars: rows.bars}
+_SMALL = {Growth: growth, Precision: precision}
 _ANSWERS = {"yes": "✓ reached", "no": "✗ missed", "unsure": "≈ unsure"}
 
 _METHOD = """
@@ -86,15 +88,16 @@ def _goals(summary):
 
 def _figure(summary, figure):
     parts = [f"<h2 id=\"{figure.name}\">{escape(figure.title)}</h2>", f"<p>{_code(figure.what)}</p>"]
-    smalls = [growth(summary, figure, plot) for plot in figure.plots if isinstance(plot, Growth)]
+    smalls = [_SMALL[type(plot)](summary, figure, plot) for plot in figure.plots
+              if type(plot) in _SMALL]
+    if any(smalls):
+        parts.append(f"<div class=\"smalls\">{''.join(smalls)}</div>")
     for plot in figure.plots:
-        drawing = "" if isinstance(plot, Growth) else _PLOTS[type(plot)](summary, figure, plot)
+        drawing = _ROWS[type(plot)](summary, figure, plot) if type(plot) in _ROWS else ""
         if drawing:
             marks = ["<span class=\"goalmark\"></span> goal"] * ('class="goal"' in drawing)
             marks += ["thin line: quartiles of the rounds"] * ('class="whisker"' in drawing)
             parts.append(f"<figure>{drawing}<figcaption>{'; '.join(marks)}</figcaption></figure>")
-    if any(smalls):
-        parts.append(f"<div class=\"smalls\">{''.join(smalls)}</div>")
     return "\n".join(parts) + _numbers(summary, figure)
 
 

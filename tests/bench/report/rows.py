@@ -118,8 +118,9 @@ def ratios(summary, figure, plot):
         found = []
         for case in summary.cases(figure.name):
             for quantity in plot.quantities:
-                subjects = summary.subjects(figure.name, case, quantity)
-                for ours in filter(is_ours, subjects):
+                subjects = [s for s in summary.subjects(figure.name, case, quantity)
+                            if s in plot.subjects]
+                for ours in subjects:
                     spreads = {peer: summary.ratio(figure.name, case, quantity, peer, ours)
                                for peer in summary.peers(figure.name, case, quantity)}
                     spreads = {peer: s for peer, s in spreads.items() if s}
@@ -130,7 +131,7 @@ def ratios(summary, figure, plot):
                                    f"{ours} / {peer}: {digits(s.median)}, quartiles "
                                    f"{digits(s.low)} to {digits(s.high)}, {s.rounds} rounds")
                         for peer, s in sorted(spreads.items(), key=lambda item: item[1].median)]
-                    name = ours if len(list(filter(is_ours, subjects))) > 1 else ""
+                    name = ours if len(subjects) > 1 else ""
                     heading = ", ".join(filter(None, (
                         case, quantity if len(plot.quantities) > 1 else "", name)))
                     if rows:
