@@ -21,8 +21,9 @@ _LAST_WORDS = 300  # characters of a program's stderr that are kept where it fai
 class Program:
     name: str
     figures: tuple  # that it measures
-    words: tuple  # command line; a program of the build by its bare name
-    quick: tuple = ()  # further words for --quick
+    file: str  # a program of the build by its bare name, or a path
+    words: tuple = ()  # of its command line
+    quick: tuple = ()  # the same for --quick
     targets: tuple = ()  # that CMake builds for it
     namespace: bool = False  # in a network namespace of its own
     rounds: int = 1000  # at most
@@ -33,27 +34,31 @@ def _script(name):
     return str(ROOT / "tests/bench" / name)
 
 
+def _scale(name, figures, **more):
+    return Program(name, figures, _script(f"scale/{name}"), quick=("--quick",),
+                   targets=("programs",), namespace=True, **more)
+
+
 PROGRAMS = (
-    Program("plant", ("acceleration", "tick", "arithmetic"), ("plant_bench",),
-            targets=("plant_bench",)),
-    Program("loop", ("round_trip", "loop"), ("loop_bench",), targets=("loop_bench",),
-            namespace=True),
-    Program("wakeup", ("wakeup",), ("wakeup",), targets=("wakeup",)),
-    Program("mirror", ("mirror",), (_script("mirror/times"),), targets=("mirror_figures",)),
-    Program("start", ("start",), (_script("start/start"),), targets=("programs",),
-            namespace=True, rounds=3),
-    Program("logger", ("logger",), (_script("logger/logger"),), ("--quick",),
-            ("programs", "log_sender"), namespace=True, rounds=3),
-    Program("ticks", ("gyros", "substeps"), (_script("scale/ticks"),), ("--quick",),
-            ("programs",), namespace=True),
-    Program("sweep", ("sweep",), (_script("scale/sweep"),), ("--quick",), ("programs",),
-            namespace=True, rounds=3),
-    Program("listeners", ("listeners",), (_script("scale/listeners"),), ("--quick",),
-            ("programs",), namespace=True, rounds=3),
-    Program("rates", ("highest_rate",), (_script("scale/rates"),), ("--quick",), ("programs",),
-            namespace=True, rounds=2),
-    Program("rigs", ("rigs",), (_script("scale/rigs"),), ("--quick",), ("programs",),
-            namespace=True, rounds=2),
+    Program("plant", ("acceleration", "tick"), "plant_bench", ("--seconds", "1"),
+            ("--seconds", "0.2"), ("plant_bench",)),
+    Program("one core", ("round_trip",), "loop_bench", ("one_core", "8"), ("one_core", "2"),
+            ("loop_bench",), namespace=True),
+    Program("two cores", ("round_trip",), "loop_bench", ("two_cores", "4"), ("two_cores", "1"),
+            ("loop_bench",), namespace=True),
+    Program("system calls", ("round_trip",), "loop_bench", ("system_calls",), ("system_calls",),
+            ("loop_bench",), namespace=True, rounds=1),
+    Program("wakeup", ("wakeup",), "wakeup", targets=("wakeup",)),
+    Program("mirror", ("mirror",), _script("mirror/times"), targets=("mirror_figures",)),
+    Program("start", ("start",), _script("start/start"), targets=("programs",), namespace=True,
+            rounds=3),
+    Program("logger", ("logger",), _script("logger/logger"), quick=("--quick",),
+            targets=("programs", "log_sender"), namespace=True, rounds=3),
+    _scale("ticks", ("gyros", "substeps")),
+    _scale("sweep", ("sweep",), rounds=3),
+    _scale("listeners", ("listeners",), rounds=3),
+    _scale("rates", ("highest_rate",), rounds=2),
+    _scale("rigs", ("rigs",), rounds=2),
 )
 
 
@@ -73,14 +78,11 @@ def build(program):
 
 
 def command(program, quick):
-    words = list(program.words)
-    if "/" not in words[0]:
-        words[0] = str(BIN / words[0])
-    if not Path(words[0]).exists():
-        raise Failed(f"{words[0]} is not there")
-    if program.namespace:
-        words.insert(0, str(ROOT / "tests/support/in_namespace"))
-    return words + list(program.quick if quick else ())
+    file = program.file if "/" in program.file else str(BIN / program.file)
+    if not Path(file).exists():
+        raise Failed(f"{file} is not there")
+    namespace = [str(ROOT / "tests/support/in_namespace")] * program.namespace
+    return [*namespace, file, *(program.quick if quick else program.words)]
 
 
 def measure(program, quick=False):

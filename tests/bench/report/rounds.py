@@ -31,8 +31,8 @@ def built(programs):
 
 
 def run(programs, left_out, count, quick):
-    """Runs the programs in turns, `count` rounds or until Ctrl-C. A program that fails is left out
-    from then on. Returns the result as it is written to a file."""
+    """Runs the programs in turns, `count` rounds or until Ctrl-C. A program that fails in its first
+    round is left out from then on. Returns the result as it is written to a file."""
     facts = machine.facts() | {"load_before": machine.load_average()}
     rounds, running = [], list(programs)
     try:
@@ -42,7 +42,8 @@ def run(programs, left_out, count, quick):
                     values, mistakes, took_s = measure(program, quick)
                 except Failed as failed:
                     left_out[program.name] = f"round {number}: {failed}"
-                    running.remove(program)
+                    if number == 1:
+                        running.remove(program)
                     say(f"left out: {program.name}: {failed}")
                     continue
                 for mistake in mistakes:
