@@ -83,10 +83,11 @@ def _bar_from(origin):
     return mark
 
 
-def _ratio_row(label, main, low, high, goal, wide, title=""):
+def _ratio_row(label, main, low, high, wide, goal=None, title="", unsure=False):
+    """unsure: the rounds do not agree who is faster."""
     faster = main <= 1
     times = digits(1 / main if faster else main) if main > 0 else "∞"
-    return Row(label, f"{times} × {'faster' if faster else 'slower'}",
+    return Row(label, "about the same" if unsure else f"{times} × {'faster' if faster else 'slower'}",
                "ours" if faster else "worse", main, low, high, goal=goal, title=title,
                second=digits(main) if wide else "")
 
@@ -126,10 +127,11 @@ def ratios(summary, figure, plot):
                     spreads = {peer: s for peer, s in spreads.items() if s}
                     most = max((s.median for s in spreads.values()), default=None)
                     rows = [
-                        _ratio_row(peer, s.median, s.low, s.high,
-                                   goal_for(quantity, case, ours, peer, s.median == most), wide,
+                        _ratio_row(peer, s.median, s.low, s.high, wide,
+                                   goal_for(quantity, case, ours, peer, s.median == most),
                                    f"{ours} / {peer}: {digits(s.median)}, quartiles "
-                                   f"{digits(s.low)} to {digits(s.high)}, {s.rounds} rounds")
+                                   f"{digits(s.low)} to {digits(s.high)}, {s.rounds} rounds",
+                                   unsure=s.low < 1 < s.high)
                         for peer, s in sorted(spreads.items(), key=lambda item: item[1].median)]
                     name = ours if len(subjects) > 1 else ""
                     heading = ", ".join(filter(None, (
@@ -164,7 +166,7 @@ def overview(summary):
     if not groups:
         return ""
     return both(lambda width: _draw_ratios(
-        width, [(heading, [_ratio_row(*row, None, width > 500) for row in rows])
+        width, [(heading, [_ratio_row(*row, width > 500) for row in rows])
                 for heading, rows in groups], "Time of gyrotwin over time of each peer"))
 
 

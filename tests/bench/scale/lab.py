@@ -18,6 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 FIRST_PORT = 17000
 READY_S = 60  # of wall time: a busy machine starts twenty rigs slowly
+ASKED_AT_MOST = 3  # times
 SKIPPED_AT_MOST = 5e-3  # of the ticks: a shared machine pauses even a single rig for 1e-3
 
 
@@ -131,7 +132,8 @@ class Lab:
         command = [self.bin / f"gyrotwin-{program}", *words]
         done = subprocess.run(command, capture_output=True, text=True, timeout=2 * READY_S)
         if done.returncode != 0:
-            raise Missing(f"gyrotwin {program} {' '.join(words)}: {(done.stderr or done.stdout).strip()}")
+            said = (done.stderr or done.stdout).strip()[-200:]
+            raise Missing(f"gyrotwin {program} {' '.join(words)}: {said}")
         return done.stdout
 
     @staticmethod
@@ -167,8 +169,13 @@ class Lab:
             self.run("ctl", "arm", *pair.words)
 
     def owner(self, pair):
-        """The owner's part of `gyrotwin ctl status --json`."""
-        return json.loads(self.run("ctl", "status", "--json", *pair.words))["owner"]
+        """The owner's part of `gyrotwin ctl status --json`; asked again where all are too busy."""
+        for left in reversed(range(ASKED_AT_MOST)):
+            try:
+                return json.loads(self.run("ctl", "status", "--json", *pair.words))["owner"]
+            except Missing:
+                if left == 0:
+                    raise
 
     def look(self, pairs):
         seen = Seen()
