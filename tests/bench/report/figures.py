@@ -103,7 +103,8 @@ FIGURES = (
         "mechanism from the same rig file, and agree with us before the clock runs; `projected` is "
         "an engine's tree with the gears projected by us, where that is faster than its own.",
         goals=(Goal("p50", 1 / 20, "fastest"),),
-        plots=(Ratios(("p50",)), Distribution())),
+        plots=(Ratios(("p50",)), Distribution()),
+        words={"disagreement": "disagreement, relative", "instructions": "instructions (callgrind)"}),
     Figure(
         "arithmetic", "Distance from the floor of the arithmetic",
         "Time of an acceleration over the time that its counted multiplications, additions, "

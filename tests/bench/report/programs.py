@@ -40,8 +40,10 @@ def _scale(name, figures, **more):
 
 
 PROGRAMS = (
-    Program("plant", ("acceleration", "tick"), "plant_bench", ("--seconds", "1"),
+    Program("plant", ("acceleration", "tick", "arithmetic"), "plant_bench", ("--seconds", "1"),
             ("--seconds", "0.2"), ("plant_bench",)),
+    Program("instructions", ("acceleration",), "plant_bench", ("--instructions",),
+            ("--instructions",), ("plant_bench",), rounds=1),
     Program("one core", ("round_trip",), "loop_bench", ("one_core", "8"), ("one_core", "2"),
             ("loop_bench",), namespace=True),
     Program("two cores", ("round_trip",), "loop_bench", ("two_cores", "4"), ("two_cores", "1"),
