@@ -4,6 +4,7 @@ import importlib.machinery
 import importlib.util
 import json
 import struct
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -15,7 +16,7 @@ sys.path[:0] = [str(HERE), str(HERE / "scale")]
 
 from report import machine, page, rounds, svg, text  # noqa: E402
 from report.figures import BY_NAME, Figure, Goal  # noqa: E402
-from report.programs import PROGRAMS, Failed, Program, measure  # noqa: E402
+from report.programs import PROGRAMS, Failed, Program, end, measure  # noqa: E402
 from report.summary import Spread, Summary, judge, spread  # noqa: E402
 from report.values import Value, parse_all  # noqa: E402
 
@@ -136,11 +137,21 @@ class Programs(unittest.TestCase):
             python("import sys; sys.exit(3)"): "ended with 3",
             python("pass"): "no value",
             python("print('oops')"): "not JSON",
-            python("import time; time.sleep(60)", limit_s=0.2): "not done within",
+            python("import time; time.sleep(600)", limit_s=0.2): "not done within",
             Program("gone", ("tick",), "/nowhere/gone"): "is not there",
         }.items():
             with self.assertRaisesRegex(Failed, why):
                 measure(program)
+
+    def test_what_hangs_is_ended_with_its_children(self):
+        child = "import time; print('up', flush=True); time.sleep(600)"
+        hang = ("import subprocess, sys, time; "
+                f"subprocess.Popen([sys.executable, '-c', {child!r}]); time.sleep(600)")
+        with subprocess.Popen([sys.executable, "-c", hang], stdout=subprocess.PIPE, text=True,
+                              stderr=subprocess.DEVNULL, start_new_session=True) as running:
+            self.assertEqual(running.stdout.readline(), "up\n")
+            end(running)
+            self.assertEqual(running.stdout.read(), "")  # ends when nobody holds the pipe any more
 
     def test_who_fails_is_left_out_and_the_others_go_on(self):
         good = python(f"print('''{GOOD}''')")

@@ -4,6 +4,8 @@ A program is run once a round and prints values as JSON lines (values.py); words
 stderr. It ends with 0, or with 2 and a sentence that says what is missing.
 """
 
+import os
+import signal
 import subprocess
 import time
 from dataclasses import dataclass
@@ -92,18 +94,36 @@ def measure(program, quick=False):
     Raises Failed where it gives none."""
     begin = time.monotonic()
     try:
-        done = subprocess.run(command(program, quick), stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, timeout=program.limit_s)
-    except subprocess.TimeoutExpired:
-        raise Failed(f"it was not done within {program.limit_s} s") from None
+        running = subprocess.Popen(command(program, quick), stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
     except OSError as error:
         raise Failed(f"it does not start: {error.strerror}") from None
-    values, mistakes = parse_all(done.stdout)
-    if done.returncode != 0:
-        raise Failed(_end_of(done.stderr) or f"it ended with {done.returncode} and no word")
+    with running:
+        try:
+            said, words = running.communicate(timeout=program.limit_s)
+        except subprocess.TimeoutExpired:
+            raise Failed(f"it was not done within {program.limit_s} s") from None
+        finally:
+            end(running)
+    values, mistakes = parse_all(said)
+    if running.returncode != 0:
+        raise Failed(_end_of(words) or f"it ended with {running.returncode} and no word")
     if not values:
         raise Failed("; ".join(mistakes[:1]) or "it printed no value")
     return values, mistakes, time.monotonic() - begin
+
+
+def end(running):
+    """Ends a program that still runs, with all that it has started: some of it has realtime priority
+    and would hold up everybody else for ever."""
+    for number, patience_s in ((signal.SIGINT, 10), (signal.SIGKILL, None)):
+        if running.poll() is not None:
+            return
+        os.killpg(running.pid, number)
+        try:
+            running.wait(patience_s)
+        except subprocess.TimeoutExpired:
+            pass
 
 
 def _end_of(text):
