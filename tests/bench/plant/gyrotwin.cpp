@@ -11,7 +11,7 @@ class Gyrotwin : public Peer {
       : name_(std::move(name)), machine_(std::move(machine)) {}
 
   std::string name() const override { return name_; }
-  void load(std::span<const Sample> samples) override {
+  void load(const std::vector<Sample>& samples) override {
     samples_.assign(samples.begin(), samples.end());
   }
   void evaluate(std::size_t i) override {

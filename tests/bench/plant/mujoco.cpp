@@ -217,7 +217,7 @@ class MujocoPeer : public Peer {
   std::string name() const override {
     return gears_ == Gears::kConstraints ? "MuJoCo" : "MuJoCo projected";
   }
-  void load(std::span<const Sample> samples) override {
+  void load(const std::vector<Sample>& samples) override {
     samples_.assign(samples.begin(), samples.end());
     own_.clear();
     for (const Sample& sample : samples) own_.push_back(to_own(machine_.mechanism(), sample.state));

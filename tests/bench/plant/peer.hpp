@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <string>
+#include <vector>
 
 #include "tests/bench/plant/mechanism.hpp"
 
@@ -22,7 +22,7 @@ class Peer {
   /// As in figures: "MuJoCo".
   virtual std::string name() const = 0;
   /// Translates samples to the engine's own coordinates, which is not timed.
-  virtual void load(std::span<const Sample> samples) = 0;
+  virtual void load(const std::vector<Sample>& samples) = 0;
   /// Puts the machine into sample i and works out its accelerations: what is timed.
   virtual void evaluate(std::size_t i) = 0;
   /// The model's q'' [rad/s^2] as the last evaluate() found it.

@@ -30,8 +30,7 @@ std::vector<Sample> trajectory(const Rig& rig) {
   Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps});
   plant.set_state(machine.state(rig.initial_q, rig.initial_v));
   std::vector<Sample> samples;
-  const int ticks = static_cast<int>(2.0 * kScenarioDuration / rig.loop.tick_s());
-  for (int k = 0; k < ticks; ++k) {
+  for (int k = 0; k < kTrajectoryTicks; ++k) {
     samples.push_back({plant.state(), scenario_input(rig, machine, k)});
     if (!plant.advance(samples.back().input)) throw Error(rig.name + ": the plant failed");
   }

@@ -13,7 +13,8 @@ inline constexpr double kScenarioDuration = 0.25;  ///< [s]
 /// Ideal torques and the push, held over a tick.
 model::Input scenario_input(const Rig& rig, const model::Machine& machine, int tick);
 
-/// The states at every tick of the rig's own plant, through twice that time.
+/// The states at so many ticks of the rig's own plant.
+inline constexpr int kTrajectoryTicks = 256;
 std::vector<Sample> trajectory(const Rig& rig);
 
 /// States about the rig's start, with all rates, torques and a moment; axles in and out of contact.
