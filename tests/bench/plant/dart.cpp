@@ -1,6 +1,6 @@
 // A mechanism in DART 6.12. Its gears (mimic joints) live in the impulses of a time step, so where
-// there are gears they are projected from its mass matrix and inverse dynamics; without, forward
-// dynamics is asked for.
+// there are gears they are projected from its inverse dynamics; without, forward dynamics is asked
+// for.
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/EulerJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
@@ -29,6 +29,10 @@ class Dart : public Peer {
         skeleton_(dart::dynamics::Skeleton::create("machine")) {
     skeleton_->setGravity(Vector3d(0.0, 0.0, -model::kGravity));
     for (const Link& link : mechanism_.links) add(link);
+    for (int c = 0; c < mechanism_.coordinates; ++c) {
+      units_.emplace_back(reduction_.hinges());
+      reduction_.spread(model::Coordinates::Unit(c), units_.back().data());
+    }
   }
 
   std::string name() const override { return "DART"; }
@@ -154,14 +158,20 @@ class Dart : public Peer {
 
   model::Coordinates projected(std::size_t i) {
     const int n = reduction_.hinges();
-    const Eigen::MatrixXd& M = skeleton_->getMassMatrix();
-    // What the hinges would have to exert to be without acceleration.
+    // What the hinges would have to exert to be without acceleration, and for a unit of each
+    // coordinate's: cheaper than the mass matrix of all hinges.
     skeleton_->setAccelerations(still_);
     skeleton_->computeInverseDynamics(true);
+    const Eigen::VectorXd bias = skeleton_->getForces();
     reduction_.clear();
-    for (int r = 0; r < n; ++r) {
-      reduction_.add_force(r, -skeleton_->getForce(static_cast<std::size_t>(r)));
-      for (int c = 0; c <= r; ++c) reduction_.add_mass(r, c, M(r, c));
+    for (int r = 0; r < n; ++r) reduction_.add_force(r, -bias[r]);
+    for (int c = 0; c < mechanism_.coordinates; ++c) {
+      skeleton_->setAccelerations(units_[static_cast<std::size_t>(c)]);
+      skeleton_->computeInverseDynamics(true);
+      for (int r = 0; r < n; ++r) {
+        const double force = skeleton_->getForce(static_cast<std::size_t>(r));
+        reduction_.add_column(r, c, force - bias[r]);
+      }
     }
     act_on_coordinates(mechanism_, own_[i].c.data(), own_[i].rate.data(), samples_[i].input,
                        [this](int c, double f) { reduction_.add_coordinate_force(c, f); });
@@ -172,7 +182,8 @@ class Dart : public Peer {
   Reduction reduction_;
   bool geared_;
   dart::dynamics::SkeletonPtr skeleton_;
-  std::vector<BodyNode*> bodies_;  ///< of the links
+  std::vector<BodyNode*> bodies_;       ///< of the links
+  std::vector<Eigen::VectorXd> units_;  ///< hinges' accelerations per one of a coordinate
   Eigen::VectorXd still_ = Eigen::VectorXd::Zero(reduction_.hinges());
   std::vector<Sample> samples_;
   std::vector<Own> own_;

@@ -86,6 +86,8 @@ class Reduction {
     M_(coordinate(i), coordinate(j)) += share;
     if (i != j) M_(coordinate(j), coordinate(i)) += share;
   }
+  /// What hinge i has to exert for a unit of c''; each pair (i, c).
+  void add_column(int i, int c, double m) { M_(coordinate(i), c) += coefficient(i) * m; }
   /// On a hinge.
   void add_force(int i, double f) { f_[coordinate(i)] += coefficient(i) * f; }
   /// On a coordinate.

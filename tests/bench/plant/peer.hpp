@@ -38,6 +38,7 @@ std::unique_ptr<Peer> gyrotwin_with_rotor_drives(const Rig& rig);
 std::unique_ptr<Peer> mujoco_peer(const Rig& rig);
 /// Gears by projection of what MuJoCo's kinematics, inertia and bias give.
 std::unique_ptr<Peer> mujoco_projected_peer(const Rig& rig);
+/// Gears by projection too.
 std::unique_ptr<Peer> dart_peer(const Rig& rig);
 std::unique_ptr<Peer> simbody_peer(const Rig& rig);
 
