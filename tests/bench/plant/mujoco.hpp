@@ -30,6 +30,8 @@ class MujocoMachine {
   const Mechanism& mechanism() const { return mechanism_; }
   const mjData& data() const { return *data_; }
 
+  /// Forgets everything, what the constraints' solver starts from included.
+  void reset() { mj_resetData(model_.get(), data_.get()); }
   /// All hinges from the coordinates.
   void place(const Own& own);
   /// c, from the hinges that lead.
