@@ -3,6 +3,7 @@
 
 #include "services/runtime/cli.hpp"
 #include "tests/bench/plant/acceleration.hpp"
+#include "tests/bench/plant/instructions.hpp"
 #include "tests/bench/plant/tick.hpp"
 
 int main(int argc, char** argv) {
@@ -11,20 +12,31 @@ int main(int argc, char** argv) {
                "plant_bench");
   double seconds = 1.0;
   app.add_option("--seconds", seconds, "of each case")->check(finite_within(0.01, 1000.0));
-  std::vector<std::string> only;
-  app.add_option("--only", only, "figures")
+  std::vector<std::string> only{"acceleration", "tick"};
+  app.add_option("--only", only, "figures")->delimiter(',')->check(one_of(only));
+  std::vector<std::string> rigs = bench::contest_rigs();
+  app.add_option("--rigs", rigs, "of those that are measured")
       ->delimiter(',')
-      ->check(one_of({"acceleration", "tick"}));
-  std::vector<std::string> rigs;
-  app.add_option("--rigs", rigs, "of those that are measured")->delimiter(',');
+      ->check(one_of(bench::contest_rigs()));
+  bool instructions = false, under_callgrind = false;
+  app.add_flag("--instructions", instructions,
+               "count the instructions of accelerations instead, by valgrind");
+  app.add_flag("--under-callgrind", under_callgrind, "what --instructions runs")->group("");
 
   const auto among = [](const std::vector<std::string>& chosen, const std::string& name) {
-    return chosen.empty() || std::find(chosen.begin(), chosen.end(), name) != chosen.end();
+    return std::find(chosen.begin(), chosen.end(), name) != chosen.end();
   };
   return run_program(argc, argv, app, [&] {
+    if (under_callgrind) {
+      bench::pass_under_callgrind(rigs);
+      return kDone;
+    }
+    if (instructions) {
+      bench::count_instructions(rigs);
+      return kDone;
+    }
     if (among(only, "acceleration")) {
-      for (const std::string& rig : bench::contest_rigs()) {
-        if (!among(rigs, rig)) continue;
+      for (const std::string& rig : rigs) {
         bench::Contest contest = bench::contest(rig);
         bench::time_accelerations(contest, seconds);
       }
