@@ -1,12 +1,12 @@
 #include "tests/bench/plant/acceleration.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <cstdio>
-#include <functional>
 #include <variant>
 
 #include "tests/bench/plant/figure.hpp"
+#include "tests/bench/plant/timing.hpp"
 
 namespace gyrotwin::bench {
 
@@ -27,21 +27,6 @@ double disagreement(Peer& peer, Peer& model, const std::vector<Sample>& samples)
     worst = std::isfinite(error) ? std::max(worst, error) : HUGE_VAL;
   }
   return worst;
-}
-
-double nanoseconds_of_pass(Peer& subject, std::size_t samples) {
-  // Once for caches and branches, which whoever came before has left otherwise.
-  for (std::size_t i = 0; i < samples; ++i) subject.evaluate(i);
-  const auto start = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < samples; ++i) subject.evaluate(i);
-  const std::chrono::duration<double, std::nano> taken = std::chrono::steady_clock::now() - start;
-  return taken.count() / static_cast<double>(samples);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void add_peers(const Rig& rig, Contest& all) {
@@ -71,27 +56,26 @@ const std::vector<std::string>& contest_rigs() {
   return rigs;
 }
 
-Contest contest(const std::string& name) {
+Contest contest(const std::string& name, bool peers) {
   const Rig rig = load_rig(name);
   Contest all{name, trajectory(rig), {}};
   all.subjects.push_back(gyrotwin_peer(rig));
   if (rig.rotor_drive) all.subjects.push_back(gyrotwin_with_rotor_drives(rig));
-  add_peers(rig, all);
+  if (peers) add_peers(rig, all);
   for (auto& subject : all.subjects) subject->load(all.samples);
   return all;
 }
 
 void time_accelerations(Contest& contest, double seconds) {
-  std::vector<std::vector<double>> passes(contest.subjects.size());
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-  while (std::chrono::steady_clock::now() < end) {
-    for (std::size_t s = 0; s < passes.size(); ++s) {
-      passes[s].push_back(nanoseconds_of_pass(*contest.subjects[s], contest.samples.size()));
-    }
+  std::vector<std::function<void()>> passes;
+  for (const auto& subject : contest.subjects) {
+    passes.emplace_back([&contest, &peer = *subject] {
+      for (std::size_t i = 0; i < contest.samples.size(); ++i) peer.evaluate(i);
+    });
   }
-  for (std::size_t s = 0; s < passes.size(); ++s) {
-    print_figure("acceleration", contest.rig, contest.subjects[s]->name(), "p50", "ns",
-                 median(std::move(passes[s])));
+  const std::vector<double> medians = medians_in_turns(passes, contest.samples.size(), seconds);
+  for (std::size_t s = 0; s < medians.size(); ++s) {
+    print_figure("acceleration", contest.rig, contest.subjects[s]->name(), "p50", "ns", medians[s]);
   }
 }
 

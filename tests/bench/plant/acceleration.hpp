@@ -18,9 +18,9 @@ struct Contest {
 /// The rigs that are measured, those without peers included.
 const std::vector<std::string>& contest_rigs();
 
-/// Prints how far each peer's accelerations are from the model's, and leaves out, with a word on
-/// stderr, whoever is further than kAgreement.
-Contest contest(const std::string& rig);
+/// With peers: prints how far each one's accelerations are from the model's, and leaves out, with
+/// a word on stderr, whoever is further than kAgreement.
+Contest contest(const std::string& rig, bool peers = true);
 inline constexpr double kAgreement = 1e-3;
 
 /// Times all subjects in turns, a pass over the samples each, for so long [s]; prints p50.

@@ -3,7 +3,8 @@
 
 #include "services/runtime/cli.hpp"
 #include "tests/bench/plant/acceleration.hpp"
-#include "tests/bench/plant/instructions.hpp"
+#include "tests/bench/plant/arithmetic.hpp"
+#include "tests/bench/plant/callgrind.hpp"
 #include "tests/bench/plant/tick.hpp"
 
 int main(int argc, char** argv) {
@@ -12,23 +13,24 @@ int main(int argc, char** argv) {
                "plant_bench");
   double seconds = 1.0;
   app.add_option("--seconds", seconds, "of each case")->check(finite_within(0.01, 1000.0));
-  std::vector<std::string> only{"acceleration", "tick"};
+  std::vector<std::string> only{"acceleration", "tick", "arithmetic"};
   app.add_option("--only", only, "figures")->delimiter(',')->check(one_of(only));
   std::vector<std::string> rigs = bench::contest_rigs();
   app.add_option("--rigs", rigs, "of those that are measured")
       ->delimiter(',')
       ->check(one_of(bench::contest_rigs()));
-  bool instructions = false, under_callgrind = false;
+  bool instructions = false, under_callgrind = false, alone = false;
   app.add_flag("--instructions", instructions,
                "count the instructions of accelerations instead, by valgrind");
   app.add_flag("--under-callgrind", under_callgrind, "what --instructions runs")->group("");
+  app.add_flag("--alone-under-callgrind", alone, "the same without peers")->group("");
 
   const auto among = [](const std::vector<std::string>& chosen, const std::string& name) {
     return std::find(chosen.begin(), chosen.end(), name) != chosen.end();
   };
   return run_program(argc, argv, app, [&] {
-    if (under_callgrind) {
-      bench::pass_under_callgrind(rigs);
+    if (under_callgrind || alone) {
+      bench::pass_under_callgrind(rigs, !alone);
       return kDone;
     }
     if (instructions) {
@@ -46,6 +48,7 @@ int main(int argc, char** argv) {
         if (among(rigs, rig)) bench::measure_ticks(rig, seconds);
       }
     }
+    if (among(only, "arithmetic")) bench::measure_arithmetic(rigs, seconds);
     return kDone;
   });
 }
