@@ -6,7 +6,6 @@
 #include <variant>
 
 #include "tests/bench/plant/figure.hpp"
-#include "tests/bench/plant/timing.hpp"
 
 namespace gyrotwin::bench {
 
@@ -66,14 +65,16 @@ Contest contest(const std::string& name, bool peers) {
   return all;
 }
 
+Slice slice_of(Peer& subject) {
+  return [&subject](std::size_t first) {
+    for (std::size_t i = first; i < first + kSlice; ++i) subject.evaluate(i);
+  };
+}
+
 void time_accelerations(Contest& contest, double seconds) {
-  std::vector<std::function<void()>> passes;
-  for (const auto& subject : contest.subjects) {
-    passes.emplace_back([&contest, &peer = *subject] {
-      for (std::size_t i = 0; i < contest.samples.size(); ++i) peer.evaluate(i);
-    });
-  }
-  const std::vector<double> medians = medians_in_turns(passes, contest.samples.size(), seconds);
+  std::vector<Slice> slices;
+  for (const auto& subject : contest.subjects) slices.push_back(slice_of(*subject));
+  const std::vector<double> medians = medians_in_turns(slices, contest.samples.size(), seconds);
   for (std::size_t s = 0; s < medians.size(); ++s) {
     print_figure("acceleration", contest.rig, contest.subjects[s]->name(), "p50", "ns", medians[s]);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/bench/plant/scenario.hpp"
+#include "tests/bench/plant/timing.hpp"
 
 namespace gyrotwin::bench {
 
@@ -23,7 +24,10 @@ const std::vector<std::string>& contest_rigs();
 Contest contest(const std::string& rig, bool peers = true);
 inline constexpr double kAgreement = 1e-3;
 
-/// Times all subjects in turns, a pass over the samples each, for so long [s]; prints p50.
+/// Of a subject that has its samples.
+Slice slice_of(Peer& subject);
+
+/// Times all subjects in turns, for so long [s]; prints p50.
 void time_accelerations(Contest& contest, double seconds);
 
 }  // namespace gyrotwin::bench

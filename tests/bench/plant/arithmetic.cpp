@@ -10,7 +10,6 @@
 #include "tests/bench/plant/callgrind.hpp"
 #include "tests/bench/plant/figure.hpp"
 #include "tests/bench/plant/floor.hpp"
-#include "tests/bench/plant/timing.hpp"
 
 namespace gyrotwin::bench {
 
@@ -93,15 +92,11 @@ void measure_arithmetic(const std::vector<std::string>& rigs, double seconds) {
 
     const Contest own = contest(pass.rig, false);
     Floor floor(arithmetic);
+    const Slice floors = [&floor](std::size_t) {
+      for (std::size_t i = 0; i < kSlice; ++i) floor.run();
+    };
     const std::vector<double> medians =
-        medians_in_turns({[&] {
-                            for (std::size_t i = 0; i < own.samples.size(); ++i)
-                              own.subjects[0]->evaluate(i);
-                          },
-                          [&] {
-                            for (std::size_t i = 0; i < own.samples.size(); ++i) floor.run();
-                          }},
-                         own.samples.size(), seconds);
+        medians_in_turns({slice_of(*own.subjects[0]), floors}, own.samples.size(), seconds);
     print_figure("arithmetic", pass.rig, "gyrotwin", "p50", "ns", medians[0]);
     print_figure("arithmetic", pass.rig, "floor", "p50", "ns", medians[1]);
   }

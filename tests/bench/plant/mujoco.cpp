@@ -79,9 +79,10 @@ std::string mjcf_of(const Mechanism& mechanism, const MjcfOptions& options) {
   const std::vector<int> leader = leaders(reduction, mechanism.coordinates);
   std::ostringstream out;
   out << std::setprecision(17);
+  // All constraints are equations, so that one step of Newton's method solves them.
   out << "<mujoco><compiler angle='radian' inertiafromgeom='false'/>\n"
       << "<option timestep='" << options.timestep << "' gravity='0 0 " << -model::kGravity
-      << "' integrator='RK4' solver='Newton' jacobian='dense' iterations='5' tolerance='1e-14'>\n"
+      << "' integrator='RK4' solver='Newton' jacobian='dense' iterations='1' tolerance='1e-14'>\n"
       << "<flag contact='disable' limit='disable' frictionloss='disable' sensor='disable'"
       << " refsafe='disable'/></option>\n<worldbody>\n";
   int hinge = 0;
