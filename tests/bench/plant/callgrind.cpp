@@ -22,7 +22,7 @@ namespace {
 
 // Between rig and subject in the name of a dump.
 constexpr char kBetween = '/';
-constexpr double kLimit = 600.0;  // of a program [s]; on a quiet machine valgrind takes 20
+constexpr double kLimit = 600.0;  // of a program [s]; on a quiet machine valgrind takes 15
 constexpr int kNoProgram = 127;   // env says so
 
 class Scratch {
