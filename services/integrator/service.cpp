@@ -27,6 +27,11 @@ std::int32_t pace(ClockMode clock) {
   return status_t::PACE_REALTIME;
 }
 
+/// Who waits for answers has no deadline to spin for.
+std::int64_t spin_of(const Rig::Loop& loop) {
+  return loop.clock == ClockMode::kLockstep ? 0 : 1000 * std::int64_t{loop.spin_us};
+}
+
 }  // namespace
 
 IntegratorService::IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Daemon& daemon)
@@ -36,7 +41,7 @@ IntegratorService::IntegratorService(const Rig& rig, Bus& bus, Clock& clock, Dae
       daemon_(daemon),
       integrator_(rig, random_id()),
       desk_(bus, daemon, integrator_, Channel::kIntegratorStatus),
-      pacer_(rig.loop.tick_ns(), rig.loop.overrun) {}
+      pacer_(rig.loop.tick_ns(), rig.loop.overrun, spin_of(rig.loop)) {}
 
 void IntegratorService::run() noexcept {
   publish(clock_.now_ns());
@@ -92,8 +97,8 @@ void IntegratorService::tick(std::int64_t now) noexcept {
 /// Sleeps until there is something to do.
 void IntegratorService::rest(std::int64_t now) noexcept {
   if (paced() && !bridges_pause(now)) {
-    clock_.sleep_until(std::min(pacer_.deadline(), now + kLongestSleep));
-    return;
+    if (now < pacer_.wake()) return clock_.sleep_until(std::min(pacer_.wake(), now + kLongestSleep));
+    return clock_.spin_until(pacer_.deadline());
   }
   await_controller(now);
   if (now - sent_at_ >= kRepeat) repeat_state(now);

@@ -13,9 +13,22 @@ std::int64_t now_of(clockid_t clock) noexcept {
   return now.tv_sec * kSecond + now.tv_nsec;
 }
 
+/// Tells the processor that this is a wait: the core's other thread may have its units.
+void relax() noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__) || defined(__arm__)
+  __asm__ __volatile__("yield");
+#endif
+}
+
 }  // namespace
 
 std::int64_t wall_ns() noexcept { return now_of(CLOCK_REALTIME); }
+
+void Clock::spin_until(std::int64_t deadline_ns) noexcept {
+  while (now_ns() < deadline_ns) relax();
+}
 
 std::int64_t MonotonicClock::now_ns() const noexcept { return now_of(CLOCK_MONOTONIC); }
 

@@ -15,6 +15,8 @@ class Clock {
   virtual std::int64_t now_ns() const noexcept = 0;
   /// Returns at or after `deadline_ns`, or early when interrupted by a signal.
   virtual void sleep_until(std::int64_t deadline_ns) noexcept = 0;
+  /// Returns at or after `deadline_ns`, and holds the processor until then.
+  virtual void spin_until(std::int64_t deadline_ns) noexcept;
 };
 
 /// CLOCK_MONOTONIC.
@@ -24,13 +26,17 @@ class MonotonicClock final : public Clock {
   void sleep_until(std::int64_t deadline_ns) noexcept override;
 };
 
-/// Time that passes when told to; sleeping moves it to the deadline plus `lateness`.
+/// Time that passes when told to; sleeping moves it to the deadline plus `lateness`, spinning to the
+/// deadline.
 class FakeClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override { return now_; }
   void sleep_until(std::int64_t deadline_ns) noexcept override {
     if (deadline_ns > now_) now_ = deadline_ns;
     now_ += lateness;
+  }
+  void spin_until(std::int64_t deadline_ns) noexcept override {
+    if (deadline_ns > now_) now_ = deadline_ns;
   }
   void advance(std::int64_t ns) { now_ += ns; }
   std::int64_t lateness = 0;  ///< [ns]

@@ -5,8 +5,8 @@
 
 namespace gyrotwin {
 
-Pacer::Pacer(std::int64_t period_ns, OverrunPolicy policy)
-    : period_(period_ns), wall_period_(period_ns), policy_(policy) {}
+Pacer::Pacer(std::int64_t period_ns, OverrunPolicy policy, std::int64_t spin_ns)
+    : period_(period_ns), wall_period_(period_ns), policy_(policy), spin_(spin_ns) {}
 
 void Pacer::anchor(std::int64_t now_ns) noexcept { deadline_ = now_ns + wall_period_; }
 
@@ -14,6 +14,10 @@ void Pacer::set_speed(double factor, std::int64_t now_ns) noexcept {
   speed_ = factor;
   wall_period_ = std::max<std::int64_t>(1, std::llround(static_cast<double>(period_) / factor));
   anchor(now_ns);
+}
+
+std::int64_t Pacer::wake() const noexcept {
+  return deadline_ - std::min(spin_, wall_period_ / 2);
 }
 
 void Pacer::give_up_until(std::int64_t now_ns) noexcept {

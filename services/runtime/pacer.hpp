@@ -12,7 +12,8 @@ namespace gyrotwin {
 class Pacer {
  public:
   /// @param period_ns tick period of the owner's time [ns]
-  Pacer(std::int64_t period_ns, OverrunPolicy policy);
+  /// @param spin_ns how long before a deadline sleep shall end [ns]
+  Pacer(std::int64_t period_ns, OverrunPolicy policy, std::int64_t spin_ns = 0);
 
   /// The next deadline is one wall period after `now_ns`. To be called at start, resume and reset.
   void anchor(std::int64_t now_ns) noexcept;
@@ -22,6 +23,8 @@ class Pacer {
 
   /// Wall time at which the next tick shall begin [ns].
   std::int64_t deadline() const noexcept { return deadline_; }
+  /// Until when to sleep: `spin_ns` before the deadline, at most half a wall period.
+  std::int64_t wake() const noexcept;
   /// The tick has begun at `now_ns`: records how late, moves the deadline on by one wall period.
   /// More than one period late is an overrun: the periods gone by are given up and counted, so that
   /// the next deadline lies ahead. @return false on an overrun under OverrunPolicy::kStop.
@@ -41,6 +44,7 @@ class Pacer {
   std::int64_t period_;       ///< of the owner's time [ns]
   std::int64_t wall_period_;  ///< period_ / speed_ [ns]
   OverrunPolicy policy_;
+  std::int64_t spin_;         ///< [ns]
   double speed_ = 1.0;
   std::int64_t deadline_ = 0;
   std::int64_t overruns_ = 0;

@@ -66,6 +66,8 @@ struct Rig {
     OverrunPolicy overrun = OverrunPolicy::kSkip;
     StateSource state = StateSource::kTruth;  ///< what a simulated owner publishes as STATE
     double patience_s = 0.1;  ///< realtime: simulated time may stand still that long for a command
+    static constexpr int kMaxSpin = 300;
+    int spin_us = 0;  ///< the end of a simulated owner's sleep that is spun through [us]
     std::int64_t tick_ns() const { return std::llround(1e9 / rate_hz); }
     std::int64_t patience_ns() const { return std::llround(1e9 * patience_s); }
     double tick_s() const { return 1e-9 * static_cast<double>(tick_ns()); }
