@@ -1,6 +1,5 @@
 #include "services/runtime/bus.hpp"
 
-#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -20,17 +19,6 @@ std::int64_t monotonic_ns() noexcept {
   return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
 }
 
-/// How many datagrams the kernel has dropped on this socket, as told with a datagram.
-std::optional<std::uint32_t> kernel_drops(msghdr& message) noexcept {
-  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
-    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
-    std::uint32_t drops = 0;
-    std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
-    return drops;
-  }
-  return {};
-}
-
 }  // namespace
 
 MulticastSockets open_sockets(const BusConfig& config, int receive_buffer) {
@@ -42,53 +30,27 @@ MulticastSockets open_sockets(const BusConfig& config, int receive_buffer) {
   return open_multicast(config.group, config.port, config.interface, config.ttl, receive_buffer);
 }
 
-bool wait_readable(int descriptor, std::int64_t timeout_ns) noexcept {
-  const std::int64_t limit = std::max<std::int64_t>(timeout_ns, 0);
-  const timespec timeout{.tv_sec = limit / 1'000'000'000, .tv_nsec = limit % 1'000'000'000};
-  pollfd ready{.fd = descriptor, .events = POLLIN, .revents = 0};
-  return ppoll(&ready, 1, &timeout, nullptr) == 1;
-}
-
 Bus::Bus(const BusConfig& config)
     : format_(config.prefix, config.rig_id, config.key),
       sockets_(open_sockets(config, kReceiveBuffer)),
       rig_id_(config.rig_id),
-      source_(config.source) {}
+      source_(config.source),
+      inbox_(sockets_.receiver.get()) {}
 
 std::optional<Reception> Bus::receive() noexcept {
   while (burst_ < kLongestBurst) {
-    sockaddr_in from;
-    const auto datagram = read(from);
+    const auto datagram = inbox_.next();
     if (!datagram) break;
+    counters_.kernel_dropped = inbox_.dropped();
     ++burst_;
-    if (own(from)) continue;
-    if (const auto reception = judge(*datagram)) return reception;
+    if (own(datagram->from)) continue;
+    if (const auto reception = judge(datagram->bytes)) return reception;
   }
   burst_ = 0;
   return {};
 }
 
-bool Bus::wait(std::int64_t timeout_ns) noexcept { return wait_readable(descriptor(), timeout_ns); }
-
-std::optional<std::span<const std::uint8_t>> Bus::read(sockaddr_in& from) noexcept {
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control;
-  iovec buffer{.iov_base = incoming_.data(), .iov_len = incoming_.size()};
-  msghdr message{};
-  message.msg_name = &from;
-  message.msg_namelen = sizeof from;
-  message.msg_iov = &buffer;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-
-  const ssize_t size = recvmsg(descriptor(), &message, 0);
-  if (size < 0) return {};
-  if (const auto drops = kernel_drops(message)) {
-    counters_.kernel_dropped += *drops - kernel_drops_;
-    kernel_drops_ = *drops;
-  }
-  return std::span<const std::uint8_t>(incoming_).first(static_cast<std::size_t>(size));
-}
+bool Bus::wait(std::int64_t timeout_ns) noexcept { return inbox_.wait(timeout_ns); }
 
 bool Bus::own(const sockaddr_in& from) const noexcept {
   return from.sin_port == sockets_.own_address.sin_port &&

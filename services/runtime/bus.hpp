@@ -14,6 +14,7 @@
 
 #include "messages/channels.hpp"
 #include "services/runtime/datagram.hpp"
+#include "services/runtime/inbox.hpp"
 #include "services/runtime/key.hpp"
 #include "services/runtime/multicast.hpp"
 #include "services/runtime/sequence_order.hpp"
@@ -46,9 +47,6 @@ struct BusCounters {
 /// The sockets, once the configuration holds together.
 /// @throws Error naming what is missing (interface, permission, buffer) and the fix
 MulticastSockets open_sockets(const BusConfig& config, int receive_buffer);
-
-/// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.
-bool wait_readable(int descriptor, std::int64_t timeout_ns) noexcept;
 
 /// One accepted datagram; its payload is valid until the next receive().
 struct Reception {
@@ -117,7 +115,6 @@ class Bus {
   std::uint8_t* begin_payload(Channel channel) noexcept;
   void sign_and_send(Channel channel) noexcept;
 
-  std::optional<std::span<const std::uint8_t>> read(sockaddr_in& from) noexcept;
   bool own(const sockaddr_in& from) const noexcept;
   std::optional<Reception> judge(std::span<const std::uint8_t> datagram) noexcept;
   std::optional<Reception> put_in_order(const Parsed& parsed) noexcept;
@@ -131,10 +128,8 @@ class Bus {
   std::size_t payload_at_ = 0;
   std::uint32_t packets_ = 0;  // LCM's packet number, which nobody here reads
 
-  // One byte more than any message has, so that a longer datagram cannot pass for one.
-  std::array<std::uint8_t, kMaxDatagram + 1> incoming_{};
-  int burst_ = 0;                   // datagrams read since the last empty result
-  std::uint32_t kernel_drops_ = 0;  // the kernel's own count, which wraps
+  Inbox inbox_;
+  int burst_ = 0;  // datagrams read since the last empty result
   std::array<SequenceOrder, kChannels.size()> order_;
 
   BusCounters counters_;
