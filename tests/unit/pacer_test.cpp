@@ -50,6 +50,30 @@ TEST(Pacer, RecordsLatenessAndWork) {
   EXPECT_EQ(pacer.compute().max(), 14);
 }
 
+TEST(Pacer, WakesBeforeTheDeadlineByTheSpin) {
+  constexpr std::int64_t kSpin = 200'000;
+  FakeClock clock;
+  clock.lateness = 67'000;  // less than the spin: no tick is late
+  Pacer pacer(kPeriod, OverrunPolicy::kSkip, kSpin);
+  pacer.anchor(clock.now_ns());
+  for (int i = 1; i <= 1000; ++i) {
+    ASSERT_EQ(pacer.wake(), i * kPeriod - kSpin);
+    clock.sleep_until(pacer.wake());
+    clock.spin_until(pacer.deadline());
+    ASSERT_EQ(clock.now_ns(), i * kPeriod);
+    ASSERT_TRUE(pacer.begin(clock.now_ns()));
+  }
+  pacer.lateness().roll();
+  EXPECT_EQ(pacer.lateness().max(), 0);
+}
+
+TEST(Pacer, SpinsForHalfAWallPeriodAtMost) {
+  Pacer pacer(kPeriod, OverrunPolicy::kSkip, 300'000);
+  pacer.set_speed(10.0, 0);
+  EXPECT_EQ(pacer.deadline(), kPeriod / 10);
+  EXPECT_EQ(pacer.wake(), kPeriod / 20);
+}
+
 TEST(Pacer, ATickBegunEarlyIsNotLate) {
   Pacer pacer(kPeriod, OverrunPolicy::kStop);
   pacer.anchor(0);

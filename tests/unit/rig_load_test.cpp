@@ -143,6 +143,17 @@ TEST(OptionalTables, StartShareIsThatOfTheInitialState) {
   EXPECT_EQ(rig.initial_state(machine).rotor_speed[0], 0.25 * machine.nominal_rotor_speed[0]);
 }
 
+TEST(Override, ATickSpinsForHalfItsTimeAtMost) {
+  const std::string text = text_of(rig_folder() / "prototype_b.toml");
+  EXPECT_EQ(mistakes_in(text, {"loop.spin_us=300"}), Strings{});
+  EXPECT_EQ(mistakes_in(text, {"loop.spin_us=301"}).size(), 1U);
+  EXPECT_EQ(mistakes_in(text, {"loop.rate_hz=2000", "loop.spin_us=250"}), Strings{});
+  const Strings mistakes = mistakes_in(text, {"loop.rate_hz=2000", "loop.spin_us=251"});
+  ASSERT_EQ(mistakes.size(), 1U);
+  EXPECT_NE(mistakes[0].find("set `loop.spin_us` to 250 or less"), std::string::npos)
+      << mistakes[0];
+}
+
 TEST(Override, MendsAMistakeOfTheFile) {
   const std::string text = edited("prototype_b", "rate_hz = 1000", "rate_hz = 0");
   EXPECT_EQ(mistakes_in(text).size(), 1U);
