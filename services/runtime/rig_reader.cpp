@@ -95,7 +95,7 @@ void read_loop(TomlReader& reader, Rig::Loop& loop) {
   table.word("overrun", loop.overrun, kOverrunWords);
   table.number("patience_s", loop.patience_s, {0, 10});
   table.integer("spin_us", loop.spin_us, {0, Rig::Loop::kMaxSpin});
-  if (2000 * std::int64_t{loop.spin_us} > loop.tick_ns()) {
+  if (2 * loop.spin_us > 1e6 / loop.rate_hz) {
     reader.mistake({"loop.spin_us", "loop.rate_hz"},
                    "a tick may spin for half its time at most: set `loop.spin_us` to " +
                        std::to_string(loop.tick_ns() / 2000) + " or less, or lower `loop.rate_hz`");
