@@ -111,6 +111,16 @@ std::vector<int> processors() {
   return all;
 }
 
+/// The far ends need the processor too, to end: beside an owner in realtime they were seen to hang
+/// for ever. At the end of its life at the latest.
+struct PriorityGivenBack {
+  void now() const {
+    const sched_param normal{.sched_priority = 0};
+    sched_setscheduler(0, SCHED_OTHER, &normal);
+  }
+  ~PriorityGivenBack() { now(); }
+};
+
 /// The subjects by turns, for so long.
 void race(const std::string& placing, int seconds, const std::vector<Subject>& chosen) {
   const std::vector<int> all = processors();
@@ -125,6 +135,7 @@ void race(const std::string& placing, int seconds, const std::vector<Subject>& c
     std::fprintf(stderr, "loop_bench: without SCHED_FIFO: %s\n", std::strerror(refused));
   }
   std::vector<Contestant> contestants;
+  const PriorityGivenBack giving_back;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     contestants.emplace_back(chosen[i], std::move(fars[i]));
   }
@@ -136,9 +147,7 @@ void race(const std::string& placing, int seconds, const std::vector<Subject>& c
       sleep_ns(contestant.run_slice() / 8);
     }
   }
-  // The far ends need the processor too, to end.
-  const sched_param normal{.sched_priority = 0};
-  sched_setscheduler(0, SCHED_OTHER, &normal);
+  giving_back.now();
   for (Contestant& contestant : contestants) contestant.report(placing);
 }
 
