@@ -97,7 +97,8 @@ void IntegratorService::tick(std::int64_t now) noexcept {
 /// Sleeps until there is something to do.
 void IntegratorService::rest(std::int64_t now) noexcept {
   if (paced() && !bridges_pause(now)) {
-    if (now < pacer_.wake()) return clock_.sleep_until(std::min(pacer_.wake(), now + kLongestSleep));
+    if (now < pacer_.wake())
+      return clock_.sleep_until(std::min(pacer_.wake(), now + kLongestSleep));
     return clock_.spin_until(pacer_.deadline());
   }
   await_controller(now);

@@ -38,7 +38,7 @@ Bus::Bus(const BusConfig& config)
       inbox_(sockets_.receiver.get()) {}
 
 std::optional<Reception> Bus::receive() noexcept {
-  while (burst_ < kLongestBurst) {
+  while (burst_ < kLongestBurst || inbox_.holds()) {
     const auto datagram = inbox_.next();
     if (!datagram) break;
     counters_.kernel_dropped = inbox_.dropped();

@@ -78,7 +78,8 @@ class Bus {
 
   /// Next datagram that is well formed, of this rig, authentic and not older than the newest of its
   /// sender; what is not is dropped and counted. Empty when nothing more waits, or when 256
-  /// datagrams were read since the last empty result, so that a flood cannot hold the caller.
+  /// datagrams, or a few more, were read since the last empty result, so that a flood cannot hold
+  /// the caller.
   std::optional<Reception> receive() noexcept;
 
   /// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.

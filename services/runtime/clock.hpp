@@ -26,8 +26,8 @@ class MonotonicClock final : public Clock {
   void sleep_until(std::int64_t deadline_ns) noexcept override;
 };
 
-/// Time that passes when told to; sleeping moves it to the deadline plus `lateness`, spinning to the
-/// deadline.
+/// Time that passes when told to; sleeping moves it to the deadline plus `lateness`, spinning to
+/// the deadline.
 class FakeClock final : public Clock {
  public:
   std::int64_t now_ns() const noexcept override { return now_; }

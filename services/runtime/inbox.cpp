@@ -51,7 +51,7 @@ std::optional<Datagram> Inbox::next() noexcept {
 }
 
 bool Inbox::wait(std::int64_t timeout_ns) noexcept {
-  if (taken_ < fetched_) return true;
+  if (holds()) return true;
   emptied_ = false;
   if (timeout_ns < kSlice) return wait_readable(descriptor_, timeout_ns);
   const std::int64_t end = monotonic_ns() + timeout_ns;

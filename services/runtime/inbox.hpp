@@ -35,6 +35,10 @@ class Inbox {
   /// The next datagram, without waiting. Empty once when all that waited is taken.
   std::optional<Datagram> next() noexcept;
 
+  /// Whether next() has one that the socket no longer has: who sleeps on the descriptor takes it
+  /// first.
+  bool holds() const noexcept { return taken_ < fetched_; }
+
   /// Sleeps until next() has a datagram, or `timeout_ns` have passed. @return whether it has one.
   bool wait(std::int64_t timeout_ns) noexcept;
 

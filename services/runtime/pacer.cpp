@@ -16,9 +16,7 @@ void Pacer::set_speed(double factor, std::int64_t now_ns) noexcept {
   anchor(now_ns);
 }
 
-std::int64_t Pacer::wake() const noexcept {
-  return deadline_ - std::min(spin_, wall_period_ / 2);
-}
+std::int64_t Pacer::wake() const noexcept { return deadline_ - std::min(spin_, wall_period_ / 2); }
 
 void Pacer::give_up_until(std::int64_t now_ns) noexcept {
   skipped_ += std::max<std::int64_t>(0, now_ns - deadline_) / wall_period_;

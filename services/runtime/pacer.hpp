@@ -44,7 +44,7 @@ class Pacer {
   std::int64_t period_;       ///< of the owner's time [ns]
   std::int64_t wall_period_;  ///< period_ / speed_ [ns]
   OverrunPolicy policy_;
-  std::int64_t spin_;         ///< [ns]
+  std::int64_t spin_;  ///< [ns]
   double speed_ = 1.0;
   std::int64_t deadline_ = 0;
   std::int64_t overruns_ = 0;

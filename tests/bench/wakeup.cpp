@@ -11,7 +11,7 @@
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
 #include "services/runtime/pacer.hpp"
-#include "tests/bench/loop/figure.hpp"
+#include "tests/bench/figure.hpp"
 
 namespace gyrotwin {
 namespace {

@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/bench/figure.hpp"
 #include "tests/bench/loop/far_process.hpp"
-#include "tests/bench/loop/figure.hpp"
 #include "tests/bench/loop/trip.hpp"
 
 namespace gyrotwin::bench {

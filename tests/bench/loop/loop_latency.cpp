@@ -9,7 +9,7 @@
 
 #include "services/runtime/clock.hpp"
 #include "services/runtime/rig_bus.hpp"
-#include "tests/bench/loop/figure.hpp"
+#include "tests/bench/figure.hpp"
 
 namespace gyrotwin {
 namespace {

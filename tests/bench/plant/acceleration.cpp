@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <variant>
 
-#include "tests/bench/plant/figure.hpp"
+#include "tests/bench/figure.hpp"
 
 namespace gyrotwin::bench {
 
@@ -36,7 +36,7 @@ void add_peers(const Rig& rig, Contest& all) {
   for (const Make make : {&mujoco_peer, &mujoco_projected_peer, &dart_peer, &simbody_peer}) {
     std::unique_ptr<Peer> peer = make(rig);
     const double apart = disagreement(*peer, *all.subjects.front(), states);
-    print_figure("acceleration", rig.name, peer->name(), "disagreement", "1", apart);
+    Figure{"acceleration", rig.name, peer->name()}.print("disagreement", "1", apart);
     if (apart > kAgreement) {
       std::fprintf(stderr, "%s: %s is left out: its accelerations differ by %.1e\n",
                    rig.name.c_str(), peer->name().c_str(), apart);
@@ -76,7 +76,7 @@ void time_accelerations(Contest& contest, double seconds) {
   for (const auto& subject : contest.subjects) slices.push_back(slice_of(*subject));
   const std::vector<double> medians = medians_in_turns(slices, contest.samples.size(), seconds);
   for (std::size_t s = 0; s < medians.size(); ++s) {
-    print_figure("acceleration", contest.rig, contest.subjects[s]->name(), "p50", "ns", medians[s]);
+    Figure{"acceleration", contest.rig, contest.subjects[s]->name()}.print("p50", "ns", medians[s]);
   }
 }
 

@@ -6,9 +6,9 @@
 #include <sstream>
 
 #include "services/runtime/error.hpp"
+#include "tests/bench/figure.hpp"
 #include "tests/bench/plant/acceleration.hpp"
 #include "tests/bench/plant/callgrind.hpp"
-#include "tests/bench/plant/figure.hpp"
 #include "tests/bench/plant/floor.hpp"
 
 namespace gyrotwin::bench {
@@ -71,7 +71,7 @@ Arithmetic arithmetic_of(const Counts& counts) {
 
 void print_counts(const std::string& rig, const Arithmetic& a) {
   const auto print = [&rig](const char* quantity, int value) {
-    print_figure("arithmetic", rig, "gyrotwin", quantity, "1", value);
+    Figure{"arithmetic", rig, "gyrotwin"}.print(quantity, "1", value);
   };
   print("additions", a.operations(Operation::kAdd) + a.operations(Operation::kSubtract));
   print("multiplications", a.operations(Operation::kMultiply));
@@ -97,8 +97,8 @@ void measure_arithmetic(const std::vector<std::string>& rigs, double seconds) {
     };
     const std::vector<double> medians =
         medians_in_turns({slice_of(*own.subjects[0]), floors}, own.samples.size(), seconds);
-    print_figure("arithmetic", pass.rig, "gyrotwin", "p50", "ns", medians[0]);
-    print_figure("arithmetic", pass.rig, "floor", "p50", "ns", medians[1]);
+    Figure{"arithmetic", pass.rig, "gyrotwin"}.print("p50", "ns", medians[0]);
+    Figure{"arithmetic", pass.rig, "floor"}.print("p50", "ns", medians[1]);
   }
 }
 

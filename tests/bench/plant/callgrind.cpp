@@ -10,8 +10,8 @@
 #include <fstream>
 
 #include "services/runtime/error.hpp"
+#include "tests/bench/figure.hpp"
 #include "tests/bench/plant/acceleration.hpp"
-#include "tests/bench/plant/figure.hpp"
 #include "tests/support/process.hpp"
 
 namespace gyrotwin::bench {
@@ -128,7 +128,7 @@ void pass_under_callgrind(const std::vector<std::string>& rigs, bool peers) {
 
 void count_instructions(const std::vector<std::string>& rigs) {
   for (const Pass& pass : passes_under_callgrind(rigs, true)) {
-    print_figure("acceleration", pass.rig, pass.subject, "instructions", "1", pass.instructions);
+    Figure{"acceleration", pass.rig, pass.subject}.print("instructions", "1", pass.instructions);
   }
 }
 

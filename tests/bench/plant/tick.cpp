@@ -6,7 +6,7 @@
 
 #include "services/integrator/plant.hpp"
 #include "services/runtime/error.hpp"
-#include "tests/bench/plant/figure.hpp"
+#include "tests/bench/figure.hpp"
 
 namespace gyrotwin::bench {
 
@@ -96,7 +96,7 @@ void measure_ticks(const std::string& name, double seconds) {
 
   std::vector<std::unique_ptr<Ticker>> tickers;
   const auto add = [&](std::unique_ptr<Ticker> ticker, Ticker& reference) {
-    print_figure("tick", name, ticker->name(), "error", "rad", error(scenario, *ticker, reference));
+    Figure{"tick", name, ticker->name()}.print("error", "rad", error(scenario, *ticker, reference));
     tickers.push_back(std::move(ticker));
   };
   const std::unique_ptr<Ticker> own_reference = gyrotwin_reference(rig);
@@ -116,9 +116,9 @@ void measure_ticks(const std::string& name, double seconds) {
     std::sort(times[i].begin(), times[i].end());
     const auto last = static_cast<double>(times[i].size() - 1);
     const auto at = [&](double share) { return times[i][static_cast<std::size_t>(share * last)]; };
-    print_figure("tick", name, tickers[i]->name(), "p50", "ns", at(0.5));
-    print_figure("tick", name, tickers[i]->name(), "p99", "ns", at(0.99));
-    print_figure("tick", name, tickers[i]->name(), "max", "ns", at(1.0));
+    Figure{"tick", name, tickers[i]->name()}.print("p50", "ns", at(0.5));
+    Figure{"tick", name, tickers[i]->name()}.print("p99", "ns", at(0.99));
+    Figure{"tick", name, tickers[i]->name()}.print("max", "ns", at(1.0));
   }
 }
 

@@ -52,7 +52,10 @@ PROGRAMS = (
             ("loop_bench",), namespace=True),
     Program("system calls", ("round_trip",), "loop_bench", ("system_calls",), ("system_calls",),
             ("loop_bench",), namespace=True, rounds=1),
-    Program("wakeup", ("wakeup",), "wakeup", targets=("wakeup",)),
+    Program("wakeup", ("wakeup",), _script("wakeup_vs_cyclictest.sh"), (str(BIN / "wakeup"), "5"),
+            (str(BIN / "wakeup"), "2"), ("wakeup",)),
+    Program("loop", ("loop",), _script("loop/shipped_loop.sh"), (str(BIN), "10"), (str(BIN), "3"),
+            ("programs", "loop_latency"), rounds=3),
     Program("mirror", ("mirror",), _script("mirror/times"), targets=("mirror_figures",)),
     Program("start", ("start",), _script("start/start"), targets=("programs",), namespace=True,
             rounds=3),
@@ -119,11 +122,25 @@ def end(running):
     for number, patience_s in ((signal.SIGINT, 10), (signal.SIGKILL, None)):
         if running.poll() is not None:
             return
+        _take_realtime(running.pid)
         os.killpg(running.pid, number)
         try:
             running.wait(patience_s)
         except subprocess.TimeoutExpired:
             pass
+
+
+def _take_realtime(group):
+    """From every thread of a process group: a realtime thread that hangs gives nobody the processor
+    in which it would be ended."""
+    for stat in Path("/proc").glob("[0-9]*/task/[0-9]*/stat"):
+        try:
+            # pid (name) state ppid pgrp ...; the name may have anything in it.
+            fields = stat.read_text().rpartition(")")[2].split()
+            if int(fields[2]) == group:
+                os.sched_setscheduler(int(stat.parent.name), os.SCHED_OTHER, os.sched_param(0))
+        except (OSError, IndexError, ValueError):
+            continue  # it is gone
 
 
 def _end_of(text):

@@ -21,6 +21,7 @@ struct Figure {
         "\"unit\": \"%.*s\", \"value\": %.6g}\n",
         figure.c_str(), instance.c_str(), subject.c_str(), static_cast<int>(quantity.size()),
         quantity.data(), static_cast<int>(unit.size()), unit.data(), value);
+    std::fflush(stdout);
   }
 
   /// p50, p99 and max of durations in nanoseconds, in microseconds. Sorts them; not empty.
