@@ -5,6 +5,7 @@
 #include <sundials/sundials_context.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "services/runtime/error.hpp"
@@ -24,6 +25,21 @@ int right_hand_side(realtype t, N_Vector y, N_Vector dy, void* context) {
 
 // SUNDIALS would print to stderr; the return code says enough.
 void ignore_message(int, const char*, const char*, char*, void*) {}
+
+/// z = sum c_i X_i, which is most of what a Runge-Kutta step does beside the right-hand sides, for
+/// a handful of entries. Any X_i may be z.
+int linear_combination(int count, realtype* c, N_Vector* X, N_Vector z) {
+  const auto size = static_cast<std::size_t>(N_VGetLength_Serial(z));
+  std::array<double, Ode::kMaxSize> sum;
+  const double* x = N_VGetArrayPointer_Serial(X[0]);
+  for (std::size_t j = 0; j < size; ++j) sum[j] = c[0] * x[j];
+  for (int i = 1; i < count; ++i) {
+    x = N_VGetArrayPointer_Serial(X[i]);
+    for (std::size_t j = 0; j < size; ++j) sum[j] += c[i] * x[j];
+  }
+  std::copy_n(sum.begin(), size, N_VGetArrayPointer_Serial(z));
+  return 0;
+}
 
 void require(bool ok, const char* what) {
   if (!ok) throw Error(std::string("SUNDIALS: ") + what + " failed");
@@ -49,9 +65,11 @@ struct Stepper::Solver {
 Stepper::Stepper(Ode& ode, const StepPolicy& policy) : solver_(std::make_unique<Solver>()) {
   Solver& s = *solver_;
   s.policy = policy;
+  require(ode.size() <= Ode::kMaxSize, "an equation of so many entries");
   require(SUNContext_Create(nullptr, &s.context) == 0, "SUNContext_Create");
   s.y = N_VNew_Serial(ode.size(), s.context);
   require(s.y != nullptr, "N_VNew_Serial");
+  s.y->ops->nvlinearcombination = linear_combination;
   N_VConst(0.0, s.y);
   s.memory = ERKStepCreate(right_hand_side, 0.0, s.y, s.context);
   require(s.memory != nullptr, "ERKStepCreate");

@@ -10,6 +10,8 @@ namespace gyrotwin {
 /// y' = rates(t, y).
 class Ode {
  public:
+  static constexpr int kMaxSize = 24;  ///< a machine with its rotors and a law's memory: up to 20
+
   virtual ~Ode() = default;
   virtual int size() const noexcept = 0;
   /// Time [s], size() entries in, size() entries out.
