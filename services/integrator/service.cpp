@@ -97,9 +97,11 @@ void IntegratorService::tick(std::int64_t now) noexcept {
 /// Sleeps until there is something to do.
 void IntegratorService::rest(std::int64_t now) noexcept {
   if (paced() && !bridges_pause(now)) {
-    if (now < pacer_.wake())
-      return clock_.sleep_until(std::min(pacer_.wake(), now + kLongestSleep));
-    return clock_.spin_until(pacer_.deadline());
+    // Whose work has taken the time to sleep does not spin in addition: every round sleeps.
+    if (now >= pacer_.wake()) return clock_.sleep_until(pacer_.deadline());
+    clock_.sleep_until(std::min(pacer_.wake(), now + kLongestSleep));
+    if (clock_.now_ns() >= pacer_.wake()) clock_.spin_until(pacer_.deadline());
+    return;
   }
   await_controller(now);
   if (now - sent_at_ >= kRepeat) repeat_state(now);

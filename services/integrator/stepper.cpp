@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "services/runtime/error.hpp"
@@ -65,7 +66,10 @@ struct Stepper::Solver {
 Stepper::Stepper(Ode& ode, const StepPolicy& policy) : solver_(std::make_unique<Solver>()) {
   Solver& s = *solver_;
   s.policy = policy;
-  require(ode.size() <= Ode::kMaxSize, "an equation of so many entries");
+  if (ode.size() > Ode::kMaxSize) {
+    throw Error("an equation has " + std::to_string(ode.size()) + " entries; at most " +
+                std::to_string(Ode::kMaxSize) + ": raise Ode::kMaxSize");
+  }
   require(SUNContext_Create(nullptr, &s.context) == 0, "SUNContext_Create");
   s.y = N_VNew_Serial(ode.size(), s.context);
   require(s.y != nullptr, "N_VNew_Serial");

@@ -10,7 +10,7 @@ namespace gyrotwin {
 /// y' = rates(t, y).
 class Ode {
  public:
-  static constexpr int kMaxSize = 24;  ///< a machine with its rotors and a law's memory: up to 20
+  static constexpr int kMaxSize = 24;  ///< a machine with its rotors and a law's memory: up to 18
 
   virtual ~Ode() = default;
   virtual int size() const noexcept = 0;

@@ -253,7 +253,7 @@ void Follower::Core::hear_rotors(const sensors_t& sensors) noexcept {
     }
     rotor_heard[j] = sane;
     tick.rotor_speed[j] = rotor[j].angle;
-    tick.rotor_rate[j] = rotor[j].drift;
+    tick.rotor_rate[j] = machine.rotor_drive ? rotor[j].drift : 0.0;
   }
 }
 

@@ -110,8 +110,7 @@ StructurePoint<S> structure_point(const Machine& machine, const MotionOf<S>& mot
   point.v = v_arm;
   point.a0 = structure.a0 + structure.alpha0.cross(arm) + structure.omega.cross(v_arm);
   point.J.fill(Vector3<S>::Zero());
-  for (int i : machine.tree.linear(0)) point.J[i] = structure.Jv[i];
-  for (int i : machine.tree.angular(0)) point.J[i] += structure.Jw[i].cross(arm);
+  for (int i : machine.tree.angular(0)) point.J[i] = structure.Jw[i].cross(arm);
   return point;
 }
 

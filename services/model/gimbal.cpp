@@ -1,6 +1,7 @@
 #include "services/model/gimbal.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace gyrotwin::model {
@@ -35,8 +36,10 @@ Moments<double> moments_of(double mass, const Vector3d& cm, const Vector3d& iner
 bool Gimbal::balanced() const {
   constexpr double kRounding = 1e-14;
   const double inertia = fixed_.second.cwiseAbs().maxCoeff();
+  double moment = 0.0;  // of masses at their distances
+  for (const Gyro& g : gyros_) moment += g.mass * (g.pivot.norm() + std::abs(g.cm_distance));
   const auto little = [&](const Moments<double>& x) {
-    return x.first.head<2>().cwiseAbs().maxCoeff() <= kRounding * mass_ &&
+    return x.first.head<2>().cwiseAbs().maxCoeff() <= kRounding * moment &&
            x.second.tail<3>().cwiseAbs().maxCoeff() <= kRounding * inertia;
   };
   const double swing =

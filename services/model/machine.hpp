@@ -111,7 +111,7 @@ struct Stop {
 
 /// Outer axles of the gyros on a plane ring fixed in the structure (Hunt-Crossley contact).
 struct Track {
-  double tip;                       ///< axle tip from the gyro's pivot along its body x axis [m]
+  double tip;                       ///< axle tip from the gyro's pivot along its spin axis [m]
   double height;                    ///< of the lower track in the structure's frame [m]
   std::optional<double> clearance;  ///< an upper track this far above the lower one [m]
   double stiffness;                 ///< kc [N/m^1.5]
@@ -222,7 +222,7 @@ struct Machine {
   int disc_body = kFixed;  ///< partner of the structure for friction, bushing and disc drive
   DiscFriction disc_friction{};
   TiltBushing bushing{};
-  std::optional<Track> track{};             ///< the gyros are the bodies with a rotor
+  std::optional<Track> track{};             ///< of gimbal 0, on disc_body
   std::optional<RotorDrive> rotor_drive{};  ///< absent: rotors keep their speed, whatever happens
   std::optional<LoadCell> load_cell{};
   /// Mount `level` only: the same machine with the disc free, which tells the holding moment.

@@ -69,9 +69,12 @@ inline void sine_cosine(const double* angle, double* sine, double* cosine) noexc
 /// The same with derivatives.
 template <int n>
 inline void sine_cosine(const Dual* angle, Dual* sine, Dual* cosine) noexcept {
+  double x[n], s[n], c[n];
+  for (int i = 0; i < n; ++i) x[i] = angle[i].value;
+  sine_cosine<n>(x, s, c);
   for (int i = 0; i < n; ++i) {
-    sine[i] = sin(angle[i]);
-    cosine[i] = cos(angle[i]);
+    sine[i] = {s[i], angle[i].slope * c[i]};
+    cosine[i] = {c[i], -angle[i].slope * s[i]};
   }
 }
 

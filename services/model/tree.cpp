@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "services/model/unroll.hpp"
 
@@ -24,9 +25,15 @@ Tree::Tree(const Shape& shape, Evaluations evaluations, std::vector<Body> bodies
     const Body& body = bodies_[b];
     mass_[b] = body.mass;
     moments_[b] = moments_of(body.mass, body.cm, body.inertia);
-    if (shape_.bodies[b].has_rotor) take_rotor(body.rotor_index, body.rotor.norm());
+    if (shape_.bodies[b].has_rotor) {
+      take_rotor(body.rotor_index, body.rotor.norm());
+    } else if (body.rotor_index >= 0 || !body.rotor.isZero(0)) {
+      throw std::invalid_argument("tree: body " + std::to_string(b) +
+                                  " has a rotor that its shape has not: with_rotor()");
+    }
     if (shape_.bodies[b].balanced && !body.cm.head<2>().isZero(0)) {
-      throw std::invalid_argument("tree: a balanced body has its centre of mass on z");
+      throw std::invalid_argument("tree: body " + std::to_string(b) +
+                                  " is balanced but has its centre of mass off z: unbalanced()");
     }
   }
   for (int g = 0; g < shape_.gimbals.size; ++g) {
@@ -36,7 +43,8 @@ Tree::Tree(const Shape& shape, Evaluations evaluations, std::vector<Body> bodies
     moments_[b].add(gimbal.fixed());
     for (const Gyro& gyro : gimbal.gyros()) take_rotor(gyro.rotor_index, gyro.rotor_inertia);
     if (shape_.bodies[b].balanced && !gimbal.balanced()) {
-      throw std::invalid_argument("tree: the gyros of a balanced body are not alike");
+      throw std::invalid_argument("tree: body " + std::to_string(b) +
+                                  " is balanced but its gyros are not alike: unbalanced()");
     }
   }
 }

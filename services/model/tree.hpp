@@ -31,7 +31,7 @@ struct Body {
       Eigen::Vector3d::Zero();  ///< principal, about cm, rotor included [kg m^2]
   Eigen::Vector3d rotor =
       Eigen::Vector3d::Zero();  ///< axial inertia x spin axis, body axes [kg m^2]
-  int rotor_index = -1;         ///< which rotor speed drives it; -1: no rotor
+  int rotor_index = -1;         ///< which rotor speed drives it, where its shape has a rotor
 };
 
 template <class S>

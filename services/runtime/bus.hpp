@@ -77,7 +77,8 @@ class Bus {
   Bus& operator=(const Bus&) = delete;
 
   /// Next datagram that is well formed, of this rig, authentic and not older than the newest of its
-  /// sender; what is not is dropped and counted. Empty when nothing more waits, or when 256
+  /// sender; what is not is dropped and counted. Empty when all is taken that
+  /// waited when the socket was read last, or when 256
   /// datagrams, or a few more, were read since the last empty result, so that a flood cannot hold
   /// the caller.
   std::optional<Reception> receive() noexcept;
@@ -109,6 +110,7 @@ class Bus {
   }
 
   const BusCounters& counters() const noexcept { return counters_; }
+  /// To poll after receive() was empty: what it holds wakes nobody. To be left blocking.
   int descriptor() const noexcept { return sockets_.receiver.get(); }
 
  private:

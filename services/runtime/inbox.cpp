@@ -8,13 +8,18 @@
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <string>
+#include <utility>
+
+#include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 namespace {
 
 // The longest sleep in one call. The kernel's own timeout of a socket is coarse and costs nothing
 // to arm; what is left of a wait after the last full slice is slept in ppoll, to the microsecond.
-constexpr std::int64_t kSlice = 10'000'000;  // [ns]
+constexpr std::int64_t kSlice = 10'000'000;         // [ns]
+constexpr std::int64_t kLongestSlice = 2 * kSlice;  // what the kernel's jiffies may make of it
 
 std::int64_t monotonic_ns() noexcept {
   timespec now{};
@@ -31,11 +36,13 @@ bool wait_readable(int descriptor, std::int64_t timeout_ns) noexcept {
   return ppoll(&ready, 1, &timeout, nullptr) == 1;
 }
 
-Inbox::Inbox(int descriptor) noexcept : descriptor_(descriptor) {
+Inbox::Inbox(int descriptor) : descriptor_(descriptor) {
   const int flags = fcntl(descriptor_, F_GETFL);
-  fcntl(descriptor_, F_SETFL, flags & ~O_NONBLOCK);
   const timeval slice{.tv_sec = 0, .tv_usec = kSlice / 1000};
-  setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &slice, sizeof slice);
+  if (flags < 0 || fcntl(descriptor_, F_SETFL, flags & ~O_NONBLOCK) != 0 ||
+      setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &slice, sizeof slice) != 0) {
+    throw Error(std::string("a socket does not take its timeout: ") + std::strerror(errno));
+  }
 }
 
 std::optional<Datagram> Inbox::next() noexcept {
@@ -53,13 +60,15 @@ std::optional<Datagram> Inbox::next() noexcept {
 bool Inbox::wait(std::int64_t timeout_ns) noexcept {
   if (holds()) return true;
   emptied_ = false;
-  if (timeout_ns < kSlice) return wait_readable(descriptor_, timeout_ns);
-  const std::int64_t end = monotonic_ns() + timeout_ns;
-  for (std::int64_t left = timeout_ns; left >= kSlice; left = end - monotonic_ns()) {
+  std::int64_t now = monotonic_ns();
+  const std::int64_t end = now + timeout_ns;
+  while (end - now >= kLongestSlice) {
     if (fetch(MSG_WAITFORONE)) return true;
     if (errno != EAGAIN) return false;  // a signal
+    const std::int64_t before = std::exchange(now, monotonic_ns());
+    if (now - before < kSlice / 2) break;  // somebody has made the socket non-blocking
   }
-  return wait_readable(descriptor_, end - monotonic_ns());
+  return wait_readable(descriptor_, end - now);
 }
 
 /// @return whether there is at least one

@@ -28,7 +28,8 @@ struct Datagram {
 class Inbox {
  public:
   /// @param descriptor outlives the inbox; made blocking here
-  explicit Inbox(int descriptor) noexcept;
+  /// @throws Error when it is no socket that can be made so
+  explicit Inbox(int descriptor);
   Inbox(const Inbox&) = delete;
   Inbox& operator=(const Inbox&) = delete;
 
@@ -39,7 +40,8 @@ class Inbox {
   /// first.
   bool holds() const noexcept { return taken_ < fetched_; }
 
-  /// Sleeps until next() has a datagram, or `timeout_ns` have passed. @return whether it has one.
+  /// Sleeps until next() has a datagram, or `timeout_ns` have passed; less on a signal. @return
+  /// whether it has one.
   bool wait(std::int64_t timeout_ns) noexcept;
 
   /// Datagrams for which the socket's buffer had no room.

@@ -59,11 +59,15 @@ TEST(TreeContract, RefusesWhatItsShapeIsNot) {
   body.rotor_index = 4;
   EXPECT_EQ(refusal<kTurning>({body}, {}), "tree: no such rotor");
   EXPECT_EQ(refusal<kCarrying>({plain}, {Gimbal({gyro(4)})}), "tree: no such rotor");
+  body.rotor_index = 0;
+  EXPECT_EQ(refusal<kPlain>({body}, {}),
+            "tree: body 0 has a rotor that its shape has not: with_rotor()");
   body = plain;
   body.cm = {0.1, 0, 0};
-  EXPECT_EQ(refusal<kPlain>({body}, {}), "tree: a balanced body has its centre of mass on z");
+  EXPECT_EQ(refusal<kPlain>({body}, {}),
+            "tree: body 0 is balanced but has its centre of mass off z: unbalanced()");
   EXPECT_EQ(refusal<kCarrying>({plain}, {Gimbal({gyro(0)})}),
-            "tree: the gyros of a balanced body are not alike");
+            "tree: body 0 is balanced but its gyros are not alike: unbalanced()");
   EXPECT_THROW(Gimbal(std::vector<Gyro>(5, gyro(0))), std::invalid_argument);
 }
 

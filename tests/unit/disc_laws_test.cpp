@@ -121,6 +121,7 @@ struct Driven {
   Wave wave;
   double amplitude, frequency;  // [N m], [Hz]
   double highest;               // within 6 s of a release at 2 deg [deg]
+  double within = 0.02;         // of that
 };
 
 class OpenLoopDriven : public testing::TestWithParam<Driven> {};
@@ -136,15 +137,17 @@ TEST_P(OpenLoopDriven, SwingsAsFarAsItDoes) {
   if (std::isnan(d.highest)) {
     EXPECT_GT(loop.tilt_deg() * kDegree, SampledLoop::kFallen);
   } else {
-    EXPECT_NEAR(highest, d.highest, 0.02 * d.highest);  // bouncing axles: other bits, other digits
+    EXPECT_NEAR(highest, d.highest, d.within * d.highest);
   }
 }
 
 constexpr double kFalls = std::numeric_limits<double>::quiet_NaN();
 
+// Bouncing axles: 1e-12 rad more or less of tilt at the start move the relay's 3 Hz between 22.9
+// and 26.1 deg, its 8 Hz between 24.1 and 25.9.
 constexpr Driven kDriven[]{{"relay_1_hz", "prototype_b", Wave::kRelay, 1e3, 1.0, 27.24},
-                           {"relay_3_hz", "prototype_b", Wave::kRelay, 1e3, 3.0, 23.85},
-                           {"relay_8_hz", "prototype_b", Wave::kRelay, 1e3, 8.0, 25.52},
+                           {"relay_3_hz", "prototype_b", Wave::kRelay, 1e3, 3.0, 24.5, 0.1},
+                           {"relay_8_hz", "prototype_b", Wave::kRelay, 1e3, 8.0, 25.0, 0.06},
                            {"sine_2_nm_1_hz", "prototype_b", Wave::kSine, 2.0, 1.0, 5.97},
                            {"sine_2_nm_3_hz", "prototype_b", Wave::kSine, 2.0, 3.0, 4.10},
                            {"sine_5_nm_3_hz", "prototype_b", Wave::kSine, 5.0, 3.0, 5.36},

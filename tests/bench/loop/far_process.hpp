@@ -42,6 +42,7 @@ struct Placement {
 class FarProcess {
  public:
   FarProcess(const Subject& subject, const Placement& placement) : pid_(fork()) {
+    if (pid_ < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
     if (pid_ == 0) answer_for_ever(subject, placement);
   }
   ~FarProcess() {

@@ -163,6 +163,7 @@ double traced_calls(const std::string& self, const Subject& subject, int trips) 
   const std::string command = "strace -f -c " + self + " trips " + std::to_string(trips) + " '" +
                               std::string(subject.name) + "' 2>&1";
   FILE* output = popen(command.c_str(), "r");
+  if (output == nullptr) throw std::runtime_error("popen: " + command);
   double calls = 0;
   std::array<char, 256> line;
   while (std::fgets(line.data(), line.size(), output) != nullptr) {

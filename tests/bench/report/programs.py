@@ -120,10 +120,11 @@ def end(running):
     """Ends a program that still runs, with all that it has started: some of it has realtime priority
     and would hold up everybody else for ever."""
     for number, patience_s in ((signal.SIGINT, 10), (signal.SIGKILL, None)):
-        if running.poll() is not None:
-            return
         _take_realtime(running.pid)
-        os.killpg(running.pid, number)
+        try:
+            os.killpg(running.pid, number)
+        except ProcessLookupError:
+            return  # nobody is left
         try:
             running.wait(patience_s)
         except subprocess.TimeoutExpired:

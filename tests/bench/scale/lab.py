@@ -130,7 +130,10 @@ class Lab:
     def run(self, program, *words):
         """A client from start to end. Returns what it printed; raises Missing when it fails."""
         command = [self.bin / f"gyrotwin-{program}", *words]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=2 * READY_S)
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=2 * READY_S)
+        except subprocess.TimeoutExpired:
+            raise Missing(f"gyrotwin {program} was not done within {2 * READY_S} s") from None
         if done.returncode != 0:
             said = (done.stderr or done.stdout).strip()[-200:]
             raise Missing(f"gyrotwin {program} {' '.join(words)}: {said}")
