@@ -130,7 +130,9 @@ class Evaluator {
   void load() {
     constexpr Shape::Joint joint = shape.bodies[b];
     using AnyMoments = std::conditional_t<joint.balanced, BalancedMoments<S>, Moments<S>>;
-    const auto& [R, omega, a, alpha, Jv, Jw] = motion_.frame[b];
+    const FrameOf<S>& frame = motion_.frame[b];
+    const Vector3<S>&omega = frame.omega, &a = frame.a0, &alpha = frame.alpha0;
+    const JacobianOf<S>&Jv = frame.Jv, &Jw = frame.Jw;
     MomentaOf<S>& momenta = motion_.momenta[b];
 
     // F and N, the force and the moment that the accelerations at q'' = 0 take.
