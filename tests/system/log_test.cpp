@@ -221,7 +221,12 @@ TEST(Log, RotatesForEverInBoundedRoom) {
   const auto recorder =
       start_recording(lab, {"--rotate-mb", "0.2", "--keep", "2", lab.folder() / "run.lcm"});
   send_states(lab, 0, 3000);
-  ASSERT_TRUE(soon([&] { return std::filesystem::exists(lab.folder() / "run.000005.lcm"); }));
+  // By the time one looks the fifth may have gone again.
+  ASSERT_TRUE(soon([&] {
+    return std::filesystem::exists(lab.folder() / "run.000005.lcm") ||
+           std::filesystem::exists(lab.folder() / "run.000006.lcm") ||
+           std::filesystem::exists(lab.folder() / "run.000007.lcm");
+  }));
   ASSERT_EQ(stop_recording(*recorder), 0) << recorder->output();
   EXPECT_TRUE(says(*recorder, "the last 2 of ")) << recorder->output();
   int files = 0;
