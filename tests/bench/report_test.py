@@ -12,7 +12,7 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE / "scale")]
+sys.path[:0] = [str(HERE), str(HERE / "measure")]
 
 from report import machine, page, rounds, svg, text  # noqa: E402
 from report.figures import BY_NAME, Figure, Goal  # noqa: E402
@@ -253,7 +253,7 @@ class Page(unittest.TestCase):
 
 class Logs(unittest.TestCase):
     def test_events_of_one_channel_are_counted_and_the_cut_off_one_is_not(self):
-        logger = script("logger/logger")
+        logger = script("measure/logger")
 
         def event(channel):
             return struct.pack(">IqqII", logger.SYNC, 0, 0, len(channel), 5) + channel + b"12345"

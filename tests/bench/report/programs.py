@@ -36,9 +36,13 @@ def _script(name):
     return str(ROOT / "tests/bench" / name)
 
 
+def _measure(name, figures, **more):
+    """One of the programs that measure the daemons and clients."""
+    return Program(name, figures, _script(f"measure/{name}"), **more)
+
+
 def _scale(name, figures, **more):
-    return Program(name, figures, _script(f"scale/{name}"), quick=("--quick",),
-                   targets=("programs",), namespace=True, **more)
+    return _measure(name, figures, quick=("--quick",), targets=("programs",), namespace=True, **more)
 
 
 PROGRAMS = (
@@ -56,11 +60,10 @@ PROGRAMS = (
             (str(BIN / "wakeup"), "2"), ("wakeup",)),
     Program("loop", ("loop",), _script("loop/shipped_loop.sh"), (str(BIN), "10"), (str(BIN), "3"),
             ("programs", "loop_latency"), rounds=3),
-    Program("mirror", ("mirror",), _script("mirror/times"), targets=("mirror_figures",)),
-    Program("start", ("start",), _script("start/start"), targets=("programs",), namespace=True,
-            rounds=3),
-    Program("logger", ("logger",), _script("logger/logger"), quick=("--quick",),
-            targets=("programs", "log_sender"), namespace=True, rounds=3),
+    _measure("mirror", ("mirror",), targets=("mirror_figures",)),
+    _measure("start", ("start",), targets=("programs",), namespace=True, rounds=3),
+    _measure("logger", ("logger",), quick=("--quick",), targets=("programs", "log_sender"),
+             namespace=True, rounds=3),
     _scale("ticks", ("gyros", "substeps")),
     _scale("sweep", ("sweep",), rounds=3),
     _scale("listeners", ("listeners",), rounds=3),

@@ -1,4 +1,4 @@
-"""Rigs as processes for the figures of scale: the build's programs, keys and a folder of our own.
+"""Rigs as processes, for who measures them: the build's programs, keys and a folder of our own.
 
 Every rig has its own integrator and controller, prefix, id and port. Meant for a network namespace
 (tests/support/in_namespace). A program prints values as JSON lines; words for people go to stderr.
