@@ -95,10 +95,22 @@ void GroundedPlant::run_rotors(const model::Input& input, double seconds) noexce
   plant_.set_state(state);
 }
 
-double stepping_error(const Rig& rig, const model::Machine& machine) {
-  constexpr double kDuration = 0.25;   // [s]
+model::Input stepping_input(const Rig& rig, const model::Machine& machine, int tick) {
   constexpr double kFrequency = 8.0;   // of the drive torque [Hz]
   constexpr double kDriveShare = 0.1;  // of the torque limit
+  const double t = tick * rig.loop.tick_s();
+  model::Input input;
+  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
+    input.drive[i] = kDriveShare * machine.drives[i].torque_limit *
+                     std::sin(2.0 * std::numbers::pi * kFrequency * t);
+  }
+  if (t < rig.impulse_duration_s) {
+    input.moment.x() = rig.reference_impulse_nms / rig.impulse_duration_s;
+  }
+  return input;
+}
+
+double stepping_error(const Rig& rig, const model::Machine& machine) {
   const double dt = rig.loop.tick_s();
   Plant fixed(machine, dt, {.adaptive = false, .substeps = rig.loop.substeps});
   Plant tight(machine, dt, {.adaptive = true});
@@ -106,16 +118,9 @@ double stepping_error(const Rig& rig, const model::Machine& machine) {
   tight.set_state(fixed.state());
 
   double worst = 0.0;
-  const int ticks = static_cast<int>(kDuration / dt);
+  const int ticks = static_cast<int>(kSteppingDuration / dt);
   for (int k = 0; k < ticks; ++k) {
-    model::Input input;
-    for (std::size_t i = 0; i < machine.drives.size(); ++i) {
-      input.drive[i] = kDriveShare * machine.drives[i].torque_limit *
-                       std::sin(2.0 * std::numbers::pi * kFrequency * k * dt);
-    }
-    if (k * dt < rig.impulse_duration_s) {
-      input.moment.x() = rig.reference_impulse_nms / rig.impulse_duration_s;
-    }
+    const model::Input input = stepping_input(rig, machine, k);
     if (!fixed.advance(input) || !tight.advance(input)) return HUGE_VAL;
     worst = std::max(worst, (fixed.state().q - tight.state().q).cwiseAbs().maxCoeff());
   }

@@ -86,9 +86,14 @@ class GroundedPlant {
   bool lying_ = false;
 };
 
+/// How long the scenario goes on that steps are judged by [s].
+inline constexpr double kSteppingDuration = 0.25;
+/// What acts in it over a tick: the reference push, and the drives swinging through a tenth of
+/// their torque limit.
+model::Input stepping_input(const Rig& rig, const model::Machine& machine, int tick);
+
 /// Largest error [rad] of any coordinate of the rig's fixed-step plant against a tight adaptive
-/// solution, over a fixed scenario: a quarter second from the initial state at nominal rotor
-/// speeds, with the reference push and the drives swinging through a tenth of their torque limit.
+/// solution, over that scenario from the initial state at nominal rotor speeds.
 double stepping_error(const Rig& rig, const model::Machine& machine);
 
 }  // namespace gyrotwin

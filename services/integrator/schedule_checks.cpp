@@ -119,9 +119,7 @@ bool felt(const model::Machine& machine, const model::Input& input) {
 
 double total_mass(const model::Machine& machine) {
   double mass = 0.0;
-  for (std::size_t b = 0; b < machine.tree.bodies().size(); ++b) {
-    mass += machine.tree.mass(static_cast<int>(b));
-  }
+  for (int b = 0; b < machine.tree.shape().bodies.size; ++b) mass += machine.tree.mass(b);
   return mass;
 }
 

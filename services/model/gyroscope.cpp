@@ -6,9 +6,6 @@ namespace gyrotwin::model {
 
 namespace {
 
-constexpr int kPrecession = 0;
-constexpr int kElevation = 1;
-
 /// Body x axis: the spin axis, outward. Raising the tip is a turn about -y.
 Body axle_body(const GyroscopeParameters::Gyro& g) {
   Body body;

@@ -5,13 +5,15 @@
 
 namespace gyrotwin::model {
 
+inline constexpr int kPrecession = 0, kElevation = 1;  ///< coordinates of a gyroscope
+
 /// Body 0 is the axle with its gyro, body 1 what of the post turns without tipping.
 inline constexpr Shape kGyroscopeShape =
     Shape()
-        .hang(kGround, kGround, {{Axis::kZ, 0}, {Axis::kY, 1, -1}})
+        .hang(kGround, kGround, {{Axis::kZ, kPrecession}, {Axis::kY, kElevation, -1}})
         .unbalanced()
         .with_rotor()
-        .hang(kGround, kGround, {{Axis::kZ, 0}});
+        .hang(kGround, kGround, {{Axis::kZ, kPrecession}});
 
 /// SI units; symbols as in README.md.
 struct GyroscopeParameters {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <stdexcept>
 
 namespace gyrotwin::model {
 
@@ -85,9 +86,13 @@ struct Shape {
   ShortList<Joint, kMaxBodies> bodies;
   ShortList<Hinge, kMaxRotors> gimbals;
 
-  /// Adds a body. Coordinates are counted.
+  /// Adds a body. Coordinates are counted. What no evaluation knows does not compile.
   constexpr Shape& hang(int position_parent, int orientation_parent,
                         const ShortList<Rotation, 4>& rotations) {
+    if (position_parent > 0 || position_parent >= bodies.size ||
+        (orientation_parent != kGround && orientation_parent != position_parent)) {
+      throw std::logic_error("a body is carried by the ground or body 0, and turned against that");
+    }
     Joint joint;
     joint.position_parent = position_parent;
     joint.orientation_parent = orientation_parent;
@@ -98,7 +103,8 @@ struct Shape {
     }
     if (orientation_parent != kGround) joint.angular = bodies[orientation_parent].angular;
     for (const Rotation& r : rotations) {
-      joint.angular.add_new(r.coordinate);
+      if (joint.angular.has(r.coordinate)) throw std::logic_error("a coordinate turns a body once");
+      joint.angular.add(r.coordinate);
       coordinates = std::max(coordinates, r.coordinate + 1);
     }
     bodies.add(joint);

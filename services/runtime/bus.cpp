@@ -4,20 +4,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <ctime>
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 namespace {
 
 constexpr int kLongestBurst = 256;
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
-}
 
 }  // namespace
 

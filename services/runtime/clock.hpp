@@ -2,11 +2,26 @@
 #pragma once
 
 #include <cstdint>
+#include <ctime>
 
 namespace gyrotwin {
 
+inline std::int64_t nanoseconds(const timespec& time) noexcept {
+  return std::int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
+}
+
+/// What a clock of the kernel shows [ns].
+inline std::int64_t clock_ns(clockid_t clock) noexcept {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return nanoseconds(now);
+}
+
 /// Wall clock, since 1970 [ns]: for stamps that others read; it may be set while a program runs.
-std::int64_t wall_ns() noexcept;
+inline std::int64_t wall_ns() noexcept { return clock_ns(CLOCK_REALTIME); }
+
+/// CLOCK_MONOTONIC [ns]: one for all programs of a host, never set.
+inline std::int64_t monotonic_ns() noexcept { return clock_ns(CLOCK_MONOTONIC); }
 
 /// Monotonic time in nanoseconds.
 class Clock {

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <string>
 #include <utility>
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -20,12 +20,6 @@ namespace {
 // to arm; what is left of a wait after the last full slice is slept in ppoll, to the microsecond.
 constexpr std::int64_t kSlice = 10'000'000;         // [ns]
 constexpr std::int64_t kLongestSlice = 2 * kSlice;  // what the kernel's jiffies may make of it
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
-}
 
 }  // namespace
 

@@ -17,10 +17,6 @@ namespace {
 
 constexpr int kLongestBurst = 256;
 
-std::int64_t nanoseconds(const timespec& time) noexcept {
-  return std::int64_t{1'000'000'000} * time.tv_sec + time.tv_nsec;
-}
-
 void ask_for(const Descriptor& socket, int level, int option, const std::string& what) {
   constexpr int on = 1;
   if (setsockopt(socket.get(), level, option, &on, sizeof on) != 0) {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "tests/engine/machines.hpp"
+#include "tests/support/umbrella_track.hpp"
 
 namespace gyrotwin::engine {
 
@@ -36,16 +37,7 @@ class Umbrella : public Mechanism {
     forces.bushing(p.bushing);
     const Vec3 axis = plant.disc.getBodyRotation(state).z().asVec3();
     forces.moment_between(plant.disc, plant.structure, input.drive[0] * axis);
-    if (p.track == model::TrackKind::kNone) return;
-    model::Track track{};
-    track.tip = p.gyros.axle_length;
-    track.height = p.disc.joint_height + p.gyros.pivot_height +
-                   p.gyros.axle_length * std::sin(p.gyros.ring_elevation);
-    if (p.track == model::TrackKind::kSlot) track.clearance = p.contact.slot_clearance;
-    track.stiffness = p.contact.stiffness;
-    track.damping = p.contact.damping;
-    track.rolling_drag = p.contact.rolling_drag;
-    forces.ring(track);
+    if (p.track != model::TrackKind::kNone) forces.ring(umbrella_track(p));
   }
 
  private:

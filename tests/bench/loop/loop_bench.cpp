@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "services/runtime/clock.hpp"
 #include "tests/bench/figure.hpp"
 #include "tests/bench/loop/far_process.hpp"
 #include "tests/bench/loop/trip.hpp"
@@ -35,12 +36,6 @@ constexpr std::array kSubjects{
     Subject{"Cyclone DDS", cyclone_near, cyclone_far},
 #endif
 };
-
-std::int64_t now_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
-}
 
 /// How often the threads of this process have given up the processor or lost it.
 std::int64_t own_switches() {
@@ -71,16 +66,16 @@ class Contestant {
 
   /// @return how long all of it took [ns]
   std::int64_t run_slice() {
-    const std::int64_t begin = now_ns(), switches = own_switches();
+    const std::int64_t begin = monotonic_ns(), switches = own_switches();
     for (int i = 0; i < kSlice; ++i) {
-      const std::int64_t start = now_ns();
+      const std::int64_t start = monotonic_ns();
       if (!near_->there_and_back()) {
         throw std::runtime_error(std::string(subject_->name) + ": a message is lost");
       }
-      trips_.push_back(now_ns() - start);
+      trips_.push_back(monotonic_ns() - start);
     }
     near_switches_ += own_switches() - switches;
-    return now_ns() - begin;
+    return monotonic_ns() - begin;
   }
 
   void report(const std::string& placing) {
@@ -140,8 +135,8 @@ void race(const std::string& placing, int seconds, const std::vector<Subject>& c
     contestants.emplace_back(chosen[i], std::move(fars[i]));
   }
 
-  const std::int64_t end = now_ns() + std::int64_t{1'000'000'000} * seconds;
-  while (now_ns() < end) {
+  const std::int64_t end = monotonic_ns() + std::int64_t{1'000'000'000} * seconds;
+  while (monotonic_ns() < end) {
     for (Contestant& contestant : contestants) {
       // Who never sleeps in realtime is held up by the kernel.
       sleep_ns(contestant.run_slice() / 8);

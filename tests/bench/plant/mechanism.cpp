@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "services/runtime/error.hpp"
+#include "tests/support/umbrella_track.hpp"
 
 namespace gyrotwin::bench {
 
@@ -70,18 +71,6 @@ Link umbrella_gyro(const model::UmbrellaParameters::Gyros& g, int j, int elevati
           .rotor_index = j};
 }
 
-model::Track track_of(const model::UmbrellaParameters& p) {
-  model::Track track{};
-  track.tip = p.gyros.axle_length;
-  track.height = p.disc.joint_height + p.gyros.pivot_height +
-                 p.gyros.axle_length * std::sin(p.gyros.ring_elevation);
-  if (p.track == model::TrackKind::kSlot) track.clearance = p.contact.slot_clearance;
-  track.stiffness = p.contact.stiffness;
-  track.damping = p.contact.damping;
-  track.rolling_drag = p.contact.rolling_drag;
-  return track;
-}
-
 Mechanism umbrella(const model::UmbrellaParameters& p) {
   const model::TiltBushing& b = p.bushing;
   if (b.stiffness != 0.0 || b.rotating_damping != 0.0 || b.standing_damping != 0.0) {
@@ -98,7 +87,7 @@ Mechanism umbrella(const model::UmbrellaParameters& p) {
   m.damping[elevation] = p.gyros.damping;
   m.stops = {{elevation, p.gyros.stop_lower, p.gyros.stop_upper, p.gyros.stop_stiffness}};
   m.friction = {p.disc.viscous_friction, p.disc.coulomb_friction};
-  if (p.track != model::TrackKind::kNone) m.track = track_of(p);
+  if (p.track != model::TrackKind::kNone) m.track = umbrella_track(p);
   return m;
 }
 

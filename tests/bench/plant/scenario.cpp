@@ -1,8 +1,5 @@
 #include "tests/bench/plant/scenario.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "services/integrator/plant.hpp"
 #include "services/runtime/error.hpp"
 #include "tests/support/random_machine.hpp"
@@ -10,18 +7,8 @@
 namespace gyrotwin::bench {
 
 model::Input scenario_input(const Rig& rig, const model::Machine& machine, int tick) {
-  constexpr double kFrequency = 8.0;   // of the drives' torques [Hz]
-  constexpr double kDriveShare = 0.1;  // of their limits
-  const double t = tick * rig.loop.tick_s();
-  model::Input input;
+  model::Input input = stepping_input(rig, machine, tick);
   input.mode = model::DriveMode::kIdealTorque;
-  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
-    input.drive[i] = kDriveShare * machine.drives[i].torque_limit *
-                     std::sin(2.0 * std::numbers::pi * kFrequency * t);
-  }
-  if (t < rig.impulse_duration_s) {
-    input.moment.x() = rig.reference_impulse_nms / rig.impulse_duration_s;
-  }
   return input;
 }
 

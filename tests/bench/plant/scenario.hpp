@@ -8,9 +8,7 @@
 
 namespace gyrotwin::bench {
 
-inline constexpr double kScenarioDuration = 0.25;  ///< [s]
-
-/// Ideal torques and the push, held over a tick.
+/// That of stepping_error(), with ideal torques; held over a tick.
 model::Input scenario_input(const Rig& rig, const model::Machine& machine, int tick);
 
 /// The states at so many ticks of the rig's own plant.

@@ -37,7 +37,7 @@ struct Scenario {
   explicit Scenario(const Rig& rig) {
     const model::Machine machine = rig.build_machine();
     start = machine.state(rig.initial_q, rig.initial_v);
-    const int ticks = static_cast<int>(std::lround(kScenarioDuration / rig.loop.tick_s()));
+    const int ticks = static_cast<int>(std::lround(kSteppingDuration / rig.loop.tick_s()));
     for (int k = 0; k < ticks; ++k) inputs.push_back(scenario_input(rig, machine, k));
   }
   model::State start;
