@@ -20,7 +20,7 @@ class Recording : public Spectator {
     for (std::size_t i = 0; i < seen.size(); ++i) columns[i].push_back(seen[i]);
     lies_ = lies_ || machine_.tilt(sample.state) > gone_;
   }
-  bool go_on(double /*t*/) override { return !lies_; }
+  bool go_on(const Outcome&) override { return !lies_; }
   Columns columns;
 
  private:

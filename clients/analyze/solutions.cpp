@@ -88,7 +88,7 @@ Comparison reduced(std::string key, std::string meaning, const MatrixXd& F, cons
                    const VectorXd& start, double a, double w, double duration,
                    const std::function<double(double)>& formula) {
   LinearOde ode(F, B, a, w);
-  Stepper stepper(ode, {.adaptive = true});
+  Stepper stepper(ode, {StepPolicy::Kind::kAdaptive});
   VectorXd x = start;
   Matched matched;
   for (int i = 0; i < kPlaces; ++i) {
@@ -105,7 +105,7 @@ class Looker : public Spectator {
  public:
   explicit Looker(std::function<bool(double, const model::State&)> look) : look_(std::move(look)) {}
   void sample(const Sample& sample) override { more_ = more_ && look_(sample.t, sample.state); }
-  bool go_on(double /*t*/) override { return more_; }
+  bool go_on(const Outcome&) override { return more_; }
 
  private:
   std::function<bool(double, const model::State&)> look_;
@@ -124,7 +124,7 @@ void integrate(Rig rig, model::Machine machine, const model::State& start, doubl
   scenario.duration = duration;
   scenario.sample = duration / kPlaces;
   scenario.sampled = false;
-  scenario.stepping.adaptive = true;
+  scenario.stepping.kind = StepPolicy::Kind::kAdaptive;
   scenario.torque = torque;
   Looker looker(look);
   simulate(rig, machine, scenario, looker);

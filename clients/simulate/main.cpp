@@ -8,6 +8,7 @@
 #include "clients/simulate/inputs.hpp"
 #include "clients/simulate/output.hpp"
 #include "clients/simulate/simulation.hpp"
+#include "clients/simulate/stepper_word.hpp"
 #include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
 
@@ -59,7 +60,7 @@ void add_inputs(CLI::App& app, Options& options) {
 }
 
 void add_plant(CLI::App& app, Options& options) {
-  const auto word = [&app](const char* name, std::string& value, const char* help,
+  const auto word = [&app](const char* name, std::string& value, const std::string& help,
                            const std::vector<std::string>& words, const char* group) {
     return app.add_option(name, value, help)->check(one_of(words))->group(group);
   };
@@ -75,9 +76,9 @@ void add_plant(CLI::App& app, Options& options) {
        "continuous: at every instant. Default: sampled with a law, a scenario or an estimate",
        {"sampled", "continuous"}, "Time");
   word("--stepper", options.stepper,
-       "fixed: loop.substeps a tick; adaptive: as fine as a relative error of 1e-12 asks. Default: "
-       "fixed with sampled feedback, adaptive with continuous",
-       {"fixed", "adaptive"}, "Time");
+       std::string(kStepperHelp) +
+           ". Default: fixed with sampled feedback, adaptive with continuous",
+       stepper_words(), "Time");
 }
 
 void add_output(CLI::App& app, Options& options) {
@@ -149,8 +150,8 @@ Scenario scenario_of(const Rig& rig, const model::Machine& machine, const Option
   const bool law = !scenario.torque && rig.controller.law != LawKind::kNone;
   const bool ticks = law || !scenario.events.empty() || rig.loop.state == StateSource::kEstimate;
   scenario.sampled = options.feedback.empty() ? ticks : options.feedback == "sampled";
-  scenario.stepping.adaptive =
-      options.stepper.empty() ? !scenario.sampled : options.stepper == "adaptive";
+  const char* usual = scenario.sampled ? "fixed" : "adaptive";
+  scenario.stepping.kind = stepper_of(options.stepper.empty() ? usual : options.stepper);
   scenario.stepping.substeps = rig.loop.substeps;
   return scenario;
 }
@@ -171,8 +172,8 @@ class Recorder : public Spectator {
     }
     file_->write(sample);
   }
-  bool go_on(double t) override {
-    progress_->show(t);
+  bool go_on(const Outcome& until_now) override {
+    progress_->show(until_now.t);
     return file_->sound() && !interrupt_.wanted();
   }
   bool sound() const { return file_->sound(); }

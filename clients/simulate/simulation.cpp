@@ -16,8 +16,7 @@ namespace gyrotwin {
 namespace {
 
 constexpr double kDefaultSample = 0.01;  // [s]
-constexpr double kLongestPiece =
-    0.01;  // of adaptive stepping, so that no short pulse is missed [s]
+constexpr double kLongestPiece = 0.01;   // of free stepping, so that no short pulse is missed [s]
 // Times closer than this share of a second (or of themselves) are the same, but for rounding.
 constexpr double kSameTime = 1e-12;
 // Share of a tick that is surely inside of it and changes nothing else.
@@ -61,7 +60,7 @@ std::int64_t ticks_in(const char* option, double time, double tick) {
   throw Error(std::string(option) + " " + seconds(time) + ": time goes in ticks of " +
               seconds(tick) + " s here; the nearest that fit are " +
               (below > 0.0 ? seconds(below * tick) + " and " : "") + seconds((below + 1.0) * tick) +
-              " (continuous feedback with the adaptive stepper takes any)");
+              " (continuous feedback without the fixed stepper takes any)");
 }
 
 Grid tick_grid(double tick, const Scenario& scenario) {
@@ -87,7 +86,7 @@ Grid free_grid(const Scenario& scenario) {
 }
 
 Grid grid_of(const Rig& rig, const Scenario& scenario) {
-  const bool ticks = scenario.sampled || !scenario.stepping.adaptive;
+  const bool ticks = scenario.sampled || scenario.stepping.kind == StepPolicy::Kind::kFixed;
   return ticks ? tick_grid(rig.loop.tick_s(), scenario) : free_grid(scenario);
 }
 
@@ -123,9 +122,8 @@ class LoopOde : public Ode {
   void rates(double t, const double* y, double* dy) noexcept override {
     const int n = packed_size(machine_);
     const model::State state = unpack(machine_, y, scenario_.start.rotor_speed);
-    act(t, state, y + n, dy + n);
     // A law that sees no finite state cannot help it.
-    input_finite_ = input_finite_ && (finite(input_) || !state.finite());
+    if (act(t, state, y + n, dy + n)) check(state);
     packed_rates(machine_, state, input_, dy);
   }
 
@@ -137,20 +135,25 @@ class LoopOde : public Ode {
   void hold(const model::Input& input) {
     input_ = input;
     held_ = {input.force, input.moment};
+    input_finite_ = input_finite_ && finite(input_);
   }
 
   /// What acts at local time t. The last input stays readable.
   void look(double t, const double* y) noexcept {
     std::array<double, kMaxLawStates> ignored;
-    act(t, unpack(machine_, y, scenario_.start.rotor_speed), y + packed_size(machine_),
-        ignored.data());
-    input_finite_ = input_finite_ && finite(input_);
+    const model::State state = unpack(machine_, y, scenario_.start.rotor_speed);
+    if (act(t, state, y + packed_size(machine_), ignored.data())) check(state);
   }
   const model::Input& input() const { return input_; }
   bool input_finite() const { return input_finite_; }
 
  private:
-  void act(double t, const model::State& state, const double* z, double* dz) noexcept {
+  void check(const model::State& state) noexcept {
+    input_finite_ = input_finite_ && (finite(input_) || !state.finite());
+  }
+
+  /// @return whether the input was made for this instant
+  bool act(double t, const model::State& state, const double* z, double* dz) noexcept {
     // A hair inside the piece: a formula that jumps at its end has not jumped yet.
     const double inside = within_ + (origin_ + t - within_) * (1.0 - kInside);
     const Instant now{inside, within_, state};
@@ -159,12 +162,9 @@ class LoopOde : public Ode {
       input_.force = held_.force + wrench.force;
       input_.moment = held_.moment + wrench.moment;
     }
-    if (scenario_.sampled) return;
-    if (law_) {
-      ask_law(state, z, dz);
-    } else if (scenario_.torque) {
-      input_.drive = scenario_.torque->value(now);
-    }
+    if (law_) ask_law(state, z, dz);
+    if (!scenario_.sampled && scenario_.torque) input_.drive = scenario_.torque->value(now);
+    return scenario_.external.value || !scenario_.sampled;
   }
 
   void ask_law(const model::State& state, const double* z, double* dz) noexcept {
@@ -229,7 +229,7 @@ class Run {
     }
     show();
     for (std::int64_t i = 0; i < grid_.steps; ++i) {
-      if (!spectator_.go_on(outcome_.t)) {
+      if (!spectator_.go_on(outcome_)) {
         outcome_.end = End::kStopped;
         return outcome_;
       }

@@ -66,17 +66,7 @@ struct Sample {
   const model::Observation* estimate;  ///< what STATE says; null where it says the truth
 };
 
-/// Who looks on. Called in order of time.
-class Spectator {
- public:
-  virtual ~Spectator() = default;
-  /// Every sample, start and end included.
-  virtual void sample(const Sample& sample) = 0;
-  /// Between samples too, at least every 10 ms of simulated time. @return whether to go on
-  virtual bool go_on(double t) = 0;
-};
-
-/// How a simulation ended.
+/// How far a simulation came, and how it ended.
 struct Outcome {
   enum class End {
     kDuration,        ///< reached
@@ -88,6 +78,16 @@ struct Outcome {
   double t = 0.0;                        ///< last time with a sound state [s]
   Verdict verdict{};                     ///< of all until then
   std::optional<double> safe_stop_at{};  ///< when commands were lost, for good [s]
+};
+
+/// Who looks on. Called in order of time.
+class Spectator {
+ public:
+  virtual ~Spectator() = default;
+  /// Every sample, start and end included.
+  virtual void sample(const Sample& sample) = 0;
+  /// Between samples too, at least every 10 ms of simulated time. @return whether to go on
+  virtual bool go_on(const Outcome& until_now) = 0;
 };
 
 /// Runs a scenario. Sampled feedback takes the very steps of a live system in lockstep: the law

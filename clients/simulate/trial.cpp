@@ -23,40 +23,38 @@ double slowest_rotor(const model::Machine& machine, const model::State& state) {
 /// Looks on every tick, and goes home when it has fallen.
 class Watcher : public Spectator {
  public:
-  Watcher(const Rig& rig, const model::Machine& machine, const Scenario& scenario)
-      : machine_(machine), verdict_(rig, machine, scenario.duration) {
+  Watcher(const model::Machine& machine, const Scenario& scenario) : machine_(machine) {
     trial.first_rotor_share = slowest_rotor(machine, scenario.start);
     trial.least_gimbal_margin = std::numeric_limits<double>::infinity();
   }
 
   void sample(const Sample& sample) override {
-    verdict_.note(sample.t, machine_, sample.state);
-    const model::Truth truth = machine_.truth(sample.state, sample.input);
-    trial.least_gimbal_margin = std::min(trial.least_gimbal_margin, truth.gimbal_margin);
-    for (const double torque : truth.drive_torque) {
+    const model::Effort effort = machine_.effort(sample.state, sample.input);
+    trial.least_gimbal_margin =
+        std::min(trial.least_gimbal_margin, machine_.gimbal_margin(sample.state));
+    for (const double torque : effort.drive_torque) {
       trial.largest_torque = std::max(trial.largest_torque, std::abs(torque));
     }
     ++ticks_;
-    if (at_limit(truth)) ++ticks_at_limit_;
+    if (at_limit(effort)) ++ticks_at_limit_;
     trial.at_limit = static_cast<double>(ticks_at_limit_) / static_cast<double>(ticks_);
-    const auto [x, y] = truth.holding_moment;
+    const auto [x, y] = effort.holding_moment;
     trial.largest_holding_moment = std::max(trial.largest_holding_moment, std::hypot(x, y));
   }
-  bool go_on(double /*t*/) override { return !verdict_.fell_at(); }
+  bool go_on(const Outcome& until_now) override { return !until_now.verdict.fell_at(); }
 
   Trial trial;
 
  private:
-  bool at_limit(const model::Truth& truth) const {
+  bool at_limit(const model::Effort& effort) const {
     for (std::size_t i = 0; i < machine_.drives.size(); ++i) {
-      const double torque = std::abs(truth.drive_torque[i]);
-      if (torque > 0.0 && truth.drive_margin[i] <= kRounding * torque) return true;
+      const double torque = std::abs(effort.drive_torque[i]);
+      if (torque > 0.0 && effort.drive_margin[i] <= kRounding * torque) return true;
     }
     return false;
   }
 
   const model::Machine& machine_;
-  Verdict verdict_;
   std::int64_t ticks_ = 0, ticks_at_limit_ = 0;
 };
 
@@ -77,7 +75,7 @@ Scenario live_scenario(const Rig& rig, const model::Machine& machine, double dur
 }
 
 Trial run_trial(const Rig& rig, const model::Machine& machine, const Scenario& scenario) {
-  Watcher watcher(rig, machine, scenario);
+  Watcher watcher(machine, scenario);
   Outcome outcome = simulate(rig, machine, scenario, watcher);
   Trial trial = watcher.trial;
   trial.end_tilt = outcome.verdict.tilt();

@@ -9,6 +9,7 @@
 
 #include "clients/common/initial.hpp"
 #include "clients/common/shell_word.hpp"
+#include "clients/simulate/stepper_word.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -138,12 +139,20 @@ Experiment::Settings Experiment::settings(const Point& values) const {
   return settings;
 }
 
+const Experiment::Built& Experiment::built(const std::vector<std::string>& settings) const {
+  if (!built_ || built_->settings != settings) {
+    const Rig rig = load_rig(bench_.rig, settings);
+    built_ = Built{settings, rig, rig.build_machine()};
+  }
+  return *built_;
+}
+
 Trial Experiment::trial(const Settings& settings) const {
-  const Rig rig = load_rig(bench_.rig, settings.rig);
-  const model::Machine machine = rig.build_machine();
+  const auto& [_, rig, machine] = built(settings.rig);
   Scenario scenario = live_scenario(rig, machine, bench_.duration);
   scenario.start = start_of(rig, machine, settings.start);
   scenario.events = events_of(rig, settings.events);
+  scenario.stepping.kind = stepper_of(bench_.stepper);
   return run_trial(rig, machine, scenario);
 }
 
@@ -195,7 +204,8 @@ std::string Experiment::repeat_command(std::int64_t run) const {
     text += " --scenario " + shell_word(bench_.scenario.source);
     for (const std::string& event : chosen.events) text += " --event " + shell_word(event);
   }
-  return text + " --feedback sampled --duration " + number_text(duration_of(chosen));
+  return text + " --feedback sampled --stepper " + bench_.stepper + " --duration " +
+         number_text(duration_of(chosen));
 }
 
 }  // namespace gyrotwin

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Bench {
   std::vector<std::string> overrides;  ///< as in --set
   ScenarioFile scenario = {};          ///< an empty document: nothing happens
   double duration = 20.0;              ///< [s]
+  std::string stepper = "quick";       ///< as in --stepper
 };
 
 /// A line of the result for every run of a plan. The same line whoever asks, and when.
@@ -50,12 +52,21 @@ class Experiment {
   Settings settings(const Point& values) const;
   std::vector<Scenario::Event> events_of(const Rig& rig,
                                          const std::vector<std::string>& settings) const;
+  /// A rig and its machine.
+  struct Built {
+    std::vector<std::string> settings;
+    Rig rig;
+    model::Machine machine;
+  };
+  const Built& built(const std::vector<std::string>& settings) const;
   Trial trial(const Settings& settings) const;
   double duration_of(const Settings& settings) const;  // in whole ticks [s]
 
   Bench bench_;
   Plan plan_;
   std::map<std::string, double> base_;  // of keys that are multiplied
+  // Of the last run: the next one's, where it only starts elsewhere.
+  mutable std::optional<Built> built_;
 };
 
 }  // namespace gyrotwin

@@ -14,6 +14,7 @@
 #include "clients/common/interrupt.hpp"
 #include "clients/common/time_text.hpp"
 #include "clients/common/variation.hpp"
+#include "clients/simulate/stepper_word.hpp"
 #include "clients/sweep/conduct.hpp"
 #include "clients/sweep/experiment.hpp"
 #include "clients/sweep/summary.hpp"
@@ -29,7 +30,7 @@ constexpr std::int64_t kDrawnRuns = 200;  // when nobody says how many
 
 struct Options {
   std::vector<std::string> vary;
-  std::string scenario, output;
+  std::string scenario, output, stepper = "quick";
   Variation variation;
   std::int64_t runs = 0;
   std::uint64_t seed = 0;
@@ -65,6 +66,9 @@ void add_what(CLI::App& app, Options& options) {
 
 void add_how(CLI::App& app, Options& options) {
   add_variation(app, options.variation);
+  app.add_option("--stepper", options.stepper, kStepperHelp)
+      ->check(one_of(stepper_words()))
+      ->capture_default_str();
   app.add_option("--workers", options.workers,
                  "How many processes do the runs; default: one a processor. Under mpirun its -n "
                  "says it, less one that gives out the work")
@@ -96,6 +100,7 @@ nlohmann::json definition_of(const Bench& bench, const Plan& plan) {
           {"runs", plan.repetitions},
           {"seed", plan.seed},
           {"duration_s", bench.duration},
+          {"stepper", bench.stepper},
           {"version", GYROTWIN_VERSION}};
 }
 
@@ -162,7 +167,7 @@ std::string write_summary(const std::filesystem::path& folder, const Experiment&
 int run(RigOptions& rig_options, const Options& options) {
   apply(options.variation, rig_options);
   const Rig rig = rig_options.load();
-  Bench bench{rig_options.name(), rig_options.overrides(), {}, options.duration};
+  Bench bench{rig_options.name(), rig_options.overrides(), {}, options.duration, options.stepper};
   if (!options.scenario.empty()) {
     bench.scenario = open_scenario(options.scenario);
     bench.scenario.source = options.scenario;  // the same wherever it is installed

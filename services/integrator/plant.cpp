@@ -5,27 +5,43 @@
 #include <cmath>
 #include <numbers>
 
+#include "services/model/unroll.hpp"
+
 namespace gyrotwin {
+
+namespace {
+
+/// Copies n numbers, 1 to `largest`, without the call that as few are not worth.
+template <int largest>
+void copy_few(int n, const double* from, double* to) noexcept {
+  model::as_constant<largest>(n, [&](auto count) { std::copy_n(from, +count, to); });
+}
+
+}  // namespace
 
 int packed_size(const model::Machine& machine) noexcept {
   return 2 * machine.coordinates() + (machine.rotor_drive ? machine.rotors : 0);
 }
 
 void pack(const model::Machine& machine, const model::State& state, double* y) noexcept {
-  const int n = machine.coordinates();
-  std::copy_n(state.q.data(), n, y);
-  std::copy_n(state.v.data(), n, y + n);
-  if (machine.rotor_drive) std::copy_n(state.rotor_speed.data(), machine.rotors, y + 2 * n);
+  copy_few<model::kMaxCoordinates>(machine.coordinates(), state.q.data(), y);
+  copy_few<model::kMaxCoordinates>(machine.coordinates(), state.v.data(),
+                                   y + machine.coordinates());
+  if (!machine.rotor_drive) return;
+  copy_few<model::kMaxRotors>(machine.rotors, state.rotor_speed.data(),
+                              y + 2 * machine.coordinates());
 }
 
 model::State unpack(const model::Machine& machine, const double* y,
                     const model::RotorSpeeds& held_rotor_speed) noexcept {
   const int n = machine.coordinates();
   model::State state;
-  std::copy_n(y, n, state.q.data());
-  std::copy_n(y + n, n, state.v.data());
+  copy_few<model::kMaxCoordinates>(n, y, state.q.data());
+  copy_few<model::kMaxCoordinates>(n, y + n, state.v.data());
   state.rotor_speed = held_rotor_speed;
-  if (machine.rotor_drive) std::copy_n(y + 2 * n, machine.rotors, state.rotor_speed.data());
+  if (machine.rotor_drive) {
+    copy_few<model::kMaxRotors>(machine.rotors, y + 2 * n, state.rotor_speed.data());
+  }
   return state;
 }
 
@@ -56,7 +72,7 @@ bool Plant::advance(const model::Input& input) noexcept {
 }
 
 GroundedPlant::GroundedPlant(const model::Machine& machine, const Rig::Loop& loop)
-    : plant_(machine, loop.tick_s(), {.adaptive = false, .substeps = loop.substeps}),
+    : plant_(machine, loop.tick_s(), {.substeps = loop.substeps}),
       tick_s_(loop.tick_s()),
       substeps_(loop.substeps) {}
 
@@ -112,8 +128,8 @@ model::Input stepping_input(const Rig& rig, const model::Machine& machine, int t
 
 double stepping_error(const Rig& rig, const model::Machine& machine) {
   const double dt = rig.loop.tick_s();
-  Plant fixed(machine, dt, {.adaptive = false, .substeps = rig.loop.substeps});
-  Plant tight(machine, dt, {.adaptive = true});
+  Plant fixed(machine, dt, {.substeps = rig.loop.substeps});
+  Plant tight(machine, dt, {StepPolicy::Kind::kAdaptive});
   fixed.set_state(machine.state(rig.initial_q, rig.initial_v));
   tight.set_state(fixed.state());
 

@@ -7,17 +7,22 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <vector>
 
+#include "services/integrator/bogacki_shampine.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
+// Adaptive: tolerances of each entry, relative and absolute.
+constexpr double kRelative = 1e-12, kAbsolute = 1e-14;
 constexpr long kMaxSteps = 1'000'000;
 // A jump of the right-hand side is met by making the step a billionth: not in the usual 7 tries.
 constexpr int kMaxErrorTestFailures = 100;
+// Quick.
+constexpr double kQuickTolerance = 2e-7;
+constexpr int kQuickSizes = 4;  // equations of up to 4, 8, 12 ... entries have a stepper each
 
 int right_hand_side(realtype t, N_Vector y, N_Vector dy, void* context) {
   static_cast<Ode*>(context)->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
@@ -48,73 +53,117 @@ void require(bool ok, const char* what) {
 
 }  // namespace
 
-struct Stepper::Solver {
-  SUNContext context = nullptr;
-  N_Vector y = nullptr;
-  void* memory = nullptr;
-  StepPolicy policy;
-  long evaluations_before = 0;
-  std::int64_t evaluations = 0;
-
-  ~Solver() {
-    if (memory) ERKStepFree(&memory);
-    if (y) N_VDestroy(y);
-    if (context) SUNContext_Free(&context);
-  }
+class Stepper::Solver {
+ public:
+  virtual ~Solver() = default;
+  virtual bool advance(double t0, double t1, std::span<double> y) noexcept = 0;
+  virtual std::int64_t evaluations() const noexcept = 0;
 };
 
-Stepper::Stepper(Ode& ode, const StepPolicy& policy) : solver_(std::make_unique<Solver>()) {
-  Solver& s = *solver_;
-  s.policy = policy;
+class Stepper::Sundials : public Stepper::Solver {
+ public:
+  Sundials(Ode& ode, const StepPolicy& policy) : policy_(policy) {
+    require(SUNContext_Create(nullptr, &context_) == 0, "SUNContext_Create");
+    y_ = N_VNew_Serial(ode.size(), context_);
+    require(y_ != nullptr, "N_VNew_Serial");
+    y_->ops->nvlinearcombination = linear_combination;
+    N_VConst(0.0, y_);
+    memory_ = ERKStepCreate(right_hand_side, 0.0, y_, context_);
+    require(memory_ != nullptr, "ERKStepCreate");
+    require(ERKStepSetErrHandlerFn(memory_, ignore_message, nullptr) == ARK_SUCCESS,
+            "error handler");
+    require(ERKStepSetUserData(memory_, &ode) == ARK_SUCCESS, "ERKStepSetUserData");
+    require(ERKStepSetTableNum(memory_, ARKODE_DORMAND_PRINCE_7_4_5) == ARK_SUCCESS,
+            "ERKStepSetTableNum");
+    if (adaptive()) {
+      require(ERKStepSStolerances(memory_, kRelative, kAbsolute) == ARK_SUCCESS, "tolerances");
+      require(ERKStepSetMaxNumSteps(memory_, kMaxSteps) == ARK_SUCCESS, "step limit");
+      require(ERKStepSetMaxErrTestFails(memory_, kMaxErrorTestFailures) == ARK_SUCCESS,
+              "limit of error test failures");
+    }
+  }
+  ~Sundials() override {
+    if (memory_) ERKStepFree(&memory_);
+    if (y_) N_VDestroy(y_);
+    if (context_) SUNContext_Free(&context_);
+  }
+  Sundials(const Sundials&) = delete;
+  Sundials& operator=(const Sundials&) = delete;
+
+  bool advance(double t0, double t1, std::span<double> y) noexcept override {
+    std::copy(y.begin(), y.end(), N_VGetArrayPointer(y_));
+    // The input may have jumped at t0: nothing of the step before is reused.
+    bool ok = ERKStepReset(memory_, t0, y_) == ARK_SUCCESS;
+    realtype t = t0;
+    if (adaptive()) {
+      ok = ok && ERKStepSetStopTime(memory_, t1) == ARK_SUCCESS &&
+           ERKStepEvolve(memory_, t1, y_, &t, ARK_NORMAL) >= 0;
+    } else {
+      ok = ok && ERKStepSetFixedStep(memory_, (t1 - t0) / policy_.substeps) == ARK_SUCCESS;
+      for (int i = 0; ok && i < policy_.substeps; ++i) {
+        ok = ERKStepEvolve(memory_, t1, y_, &t, ARK_ONE_STEP) >= 0;
+      }
+    }
+    std::copy_n(N_VGetArrayPointer(y_), y.size(), y.begin());
+    long evaluations = 0;
+    ERKStepGetNumRhsEvals(memory_, &evaluations);
+    evaluations_ = evaluations - evaluations_before_;
+    evaluations_before_ = evaluations;
+    return ok;
+  }
+  std::int64_t evaluations() const noexcept override { return evaluations_; }
+
+ private:
+  bool adaptive() const { return policy_.kind == StepPolicy::Kind::kAdaptive; }
+
+  SUNContext context_ = nullptr;
+  N_Vector y_ = nullptr;
+  void* memory_ = nullptr;
+  StepPolicy policy_;
+  long evaluations_before_ = 0;
+  std::int64_t evaluations_ = 0;
+};
+
+template <int n>
+class Stepper::Quick : public Stepper::Solver {
+ public:
+  explicit Quick(Ode& ode) : pair_(ode, kQuickTolerance) {}
+  bool advance(double t0, double t1, std::span<double> y) noexcept override {
+    return pair_.advance(t0, t1, y.data());
+  }
+  std::int64_t evaluations() const noexcept override { return pair_.evaluations(); }
+
+ private:
+  BogackiShampine<n> pair_;
+};
+
+/// For the smallest n that holds the equation.
+template <int n>
+std::unique_ptr<Stepper::Solver> Stepper::quick(Ode& ode) {
+  if constexpr (n < Ode::kMaxSize) {
+    if (ode.size() > n) return quick<n + kQuickSizes>(ode);
+  }
+  return std::make_unique<Quick<n>>(ode);
+}
+
+Stepper::Stepper(Ode& ode, const StepPolicy& policy) {
   if (ode.size() > Ode::kMaxSize) {
     throw Error("an equation has " + std::to_string(ode.size()) + " entries; at most " +
                 std::to_string(Ode::kMaxSize) + ": raise Ode::kMaxSize");
   }
-  require(SUNContext_Create(nullptr, &s.context) == 0, "SUNContext_Create");
-  s.y = N_VNew_Serial(ode.size(), s.context);
-  require(s.y != nullptr, "N_VNew_Serial");
-  s.y->ops->nvlinearcombination = linear_combination;
-  N_VConst(0.0, s.y);
-  s.memory = ERKStepCreate(right_hand_side, 0.0, s.y, s.context);
-  require(s.memory != nullptr, "ERKStepCreate");
-  require(ERKStepSetErrHandlerFn(s.memory, ignore_message, nullptr) == ARK_SUCCESS,
-          "error handler");
-  require(ERKStepSetUserData(s.memory, &ode) == ARK_SUCCESS, "ERKStepSetUserData");
-  require(ERKStepSetTableNum(s.memory, ARKODE_DORMAND_PRINCE_7_4_5) == ARK_SUCCESS,
-          "ERKStepSetTableNum");
-  if (policy.adaptive) {
-    require(ERKStepSStolerances(s.memory, policy.rtol, policy.atol) == ARK_SUCCESS, "tolerances");
-    require(ERKStepSetMaxNumSteps(s.memory, kMaxSteps) == ARK_SUCCESS, "step limit");
-    require(ERKStepSetMaxErrTestFails(s.memory, kMaxErrorTestFailures) == ARK_SUCCESS,
-            "limit of error test failures");
+  if (policy.kind == StepPolicy::Kind::kQuick) {
+    solver_ = quick<kQuickSizes>(ode);
+  } else {
+    solver_ = std::make_unique<Sundials>(ode, policy);
   }
 }
 
 Stepper::~Stepper() = default;
 
 bool Stepper::advance(double t0, double t1, std::span<double> y) noexcept {
-  Solver& s = *solver_;
-  std::copy(y.begin(), y.end(), N_VGetArrayPointer(s.y));
-  // The input may have jumped at t0: nothing of the step before is reused.
-  bool ok = ERKStepReset(s.memory, t0, s.y) == ARK_SUCCESS;
-  realtype t = t0;
-  if (s.policy.adaptive) {
-    ok = ok && ERKStepSetStopTime(s.memory, t1) == ARK_SUCCESS &&
-         ERKStepEvolve(s.memory, t1, s.y, &t, ARK_NORMAL) >= 0;
-  } else {
-    ok = ok && ERKStepSetFixedStep(s.memory, (t1 - t0) / s.policy.substeps) == ARK_SUCCESS;
-    for (int i = 0; ok && i < s.policy.substeps; ++i) {
-      ok = ERKStepEvolve(s.memory, t1, s.y, &t, ARK_ONE_STEP) >= 0;
-    }
-  }
-  std::copy_n(N_VGetArrayPointer(s.y), y.size(), y.begin());
-  long evaluations = 0;
-  ERKStepGetNumRhsEvals(s.memory, &evaluations);
-  s.evaluations = evaluations - s.evaluations_before;
-  s.evaluations_before = evaluations;
-  return ok;
+  return solver_->advance(t0, t1, y);
 }
 
-std::int64_t Stepper::evaluations() const noexcept { return solver_->evaluations; }
+std::int64_t Stepper::evaluations() const noexcept { return solver_->evaluations(); }
 
 }  // namespace gyrotwin

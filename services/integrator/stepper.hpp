@@ -18,18 +18,22 @@ class Ode {
   virtual void rates(double t, const double* y, double* dy) noexcept = 0;
 };
 
-/// How to step: a number of equal steps, bounded and repeatable, or as many as the tolerance asks.
+/// How to step.
 struct StepPolicy {
-  bool adaptive = false;
-  int substeps = 4;     ///< fixed: steps per call of advance()
-  double rtol = 1e-12;  ///< adaptive: relative tolerance per entry
-  double atol = 1e-14;  ///< adaptive: absolute tolerance per entry
+  enum class Kind : std::uint8_t {
+    kFixed,     ///< in equal steps: bounded and repeatable
+    kAdaptive,  ///< as fine as an error of 1e-12 asks
+    kQuick,     ///< as coarse as an error of 2e-7 a step allows
+  };
+  Kind kind = Kind::kFixed;
+  int substeps = 4;  ///< fixed: steps per call of advance()
 };
 
-/// Advances one Ode by Dormand and Prince's 5(4) pair, the 5th-order result kept. At tolerances of
-/// 1e-12 pairs of higher order (Verner 6(5), Fehlberg 8(7)) were no cheaper or, across the kinks of
-/// contact and stops, wrong by more than they said. After construction: no allocation, no
-/// exception.
+/// Advances one Ode. Fixed and adaptive: SUNDIALS with Dormand and Prince's 5(4) pair, the
+/// 5th-order result kept. At 1e-12 pairs of higher order (Verner 6(5), Fehlberg 8(7)) were no
+/// cheaper or, across the kinks of contact and stops, wrong by more than they said. Quick: our own
+/// 3(2) pair, for the solver around the right-hand sides costs more than they do when there are
+/// five of them. After construction: no allocation, no exception.
 class Stepper {
  public:
   /// @param ode outlives the stepper
@@ -39,15 +43,22 @@ class Stepper {
   Stepper(const Stepper&) = delete;
   Stepper& operator=(const Stepper&) = delete;
 
-  /// Takes `y` from t0 to t1 [s] with the right-hand side smooth in between. @return whether it got
-  /// there; if not, `y` is where it failed.
+  /// Takes `y` from t0 to t1 [s] with the right-hand side smooth in between. Fixed and adaptive:
+  /// the same arguments give the same bits; quick: the same calls in the same order do. @return
+  /// whether it got there; if not, `y` is where it failed.
   bool advance(double t0, double t1, std::span<double> y) noexcept;
 
   /// Right-hand sides of the last advance().
   std::int64_t evaluations() const noexcept;
 
  private:
-  struct Solver;
+  class Solver;
+  class Sundials;
+  template <int n>
+  class Quick;
+  template <int n>
+  static std::unique_ptr<Solver> quick(Ode& ode);
+
   std::unique_ptr<Solver> solver_;
 };
 

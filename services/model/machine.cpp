@@ -47,6 +47,32 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   return {missing[free.layout.disc_tilt[0]], missing[free.layout.disc_tilt[1]]};
 }
 
+/// The motion, and the moment that holds a disc level.
+void hold(const Machine& machine, const State& state, const Input& input, Motion& motion,
+          Effort& effort) {
+  if (!machine.unheld) {
+    evaluate(machine, state, input, {}, motion);
+    return;
+  }
+  const RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
+  const Coordinates acceleration = accelerate(machine, state, input, rotor_rate, motion);
+  effort.holding_moment = holding_moment(machine, state, acceleration, rotor_rate, input);
+}
+
+/// @param motion what drives on the disc need
+void add_drives(const Machine& machine, const Motion& motion, const State& state,
+                const Input& input, Effort& effort) {
+  for (std::size_t i = 0; i < machine.drives.size(); ++i) {
+    const Drive& drive = machine.drives[i];
+    const double rate = rate_of(machine, motion, drive, state);
+    const double torque = drive.torque(input.mode, input.drive[i], rate);
+    const auto [low, high] = drive.range(rate);
+    const double margin = torque >= 0.0 ? high - torque : torque - low;
+    effort.drive_torque[i] = input.drive_strength[i] * torque;
+    effort.drive_margin[i] = input.drive_strength[i] * margin;
+  }
+}
+
 void add_contact_forces(const Machine& machine, const Motion& motion, const State& state,
                         Truth& truth) {
   const auto tips = tips_of(machine, disc_motion(machine, motion), motion, state);
@@ -90,39 +116,9 @@ void add_bodies(const Machine& machine, const Motion& motion, const State& state
 
 }  // namespace
 
-template <class S>
-std::array<S, 2> Drive::range(const S& rate) const noexcept {
-  const S limit = torque_limit;
-  if (!motor) return {-limit, limit};
-  const S low = motor->torque(-motor->supply_voltage, rate);
-  const S high = motor->torque(motor->supply_voltage, rate);
-  return {std::clamp<S>(low, -limit, limit), std::clamp<S>(high, -limit, limit)};
-}
-
-template <class S>
-S Drive::torque(DriveMode mode, double command, const S& rate) const noexcept {
-  if (mode == DriveMode::kIdealTorque) return command;
-  S wanted = command;
-  if (mode == DriveMode::kBrake) wanted = motor ? motor->torque(0.0, rate) : S(-command * rate);
-  if (mode == DriveMode::kVoltage) {
-    if (!motor) return S(0.0);
-    const double Vb = motor->supply_voltage;
-    wanted = motor->torque(std::clamp(command, -Vb, Vb), rate);
-  }
-  const auto [low, high] = range(rate);
-  return std::clamp<S>(wanted, low, high);
-}
-
-template std::array<double, 2> Drive::range(const double&) const noexcept;
-template double Drive::torque(DriveMode, double, const double&) const noexcept;
-template Dual Drive::torque(DriveMode, double, const Dual&) const noexcept;
-
-double RotorDrive::drag(double speed) const noexcept {
-  return viscous_drag * speed + coulomb_drag * std::tanh(speed / kCreep);
-}
-
 double RotorDrive::torque(double wanted, double speed) const noexcept {
-  const double fast = std::abs(speed);
+  const double fast = std::abs(speed), size = std::abs(wanted);
+  if (size <= torque_limit && size * fast <= power_limit) return wanted;  // without a division
   const double limit = torque_limit * fast > power_limit ? power_limit / fast : torque_limit;
   return std::clamp(wanted, -limit, limit);
 }
@@ -150,7 +146,7 @@ RotorSpeeds Machine::rotor_acceleration(const State& state, const Input& input) 
     const double drag = rotor_drive->drag(n);
     const double wanted = Ia * (nominal_rotor_speed[j] - n) / rotor_drive->time_constant + drag;
     const double torque = input.rotor_powered[j] ? rotor_drive->torque(wanted, n) : 0.0;
-    const double brake = input.rotor_brake[j] * std::tanh(n / RotorDrive::kCreep);
+    const double brake = input.rotor_brake[j] * RotorDrive::sense(n);
     rate[j] = (torque - drag - brake) / Ia;
   }
   return rate;
@@ -168,6 +164,7 @@ InertialReading Machine::inertial(const State& state, const Input& input,
 }
 
 double Machine::drive_rate(int drive, const State& state) const noexcept {
+  if (drives[drive].kind == Drive::Kind::kGimbal) return state.v[drives[drive].coordinate];
   Motion motion;
   evaluate(*this, state, motion);
   return rate_of(*this, motion, drives[drive], state);
@@ -223,30 +220,24 @@ State Machine::recall(const Observation& observation) const noexcept {
 Truth Machine::truth(const State& state, const Input& input) const noexcept {
   Truth truth;
   Motion motion;
-  if (unheld) {
-    const RotorSpeeds rotor_rate = rotor_acceleration(state, input);
-    const Coordinates acceleration = accelerate(*this, state, input, rotor_rate, motion);
-    truth.holding_moment = holding_moment(*this, state, acceleration, rotor_rate, input);
-  } else {
-    evaluate(*this, state, input, {}, motion);
-  }
+  hold(*this, state, input, motion, truth);
+  add_drives(*this, motion, state, input, truth);
 
   truth.kinetic_energy = 0.5 * state.v.dot(times(motion, state.v, coordinates()));
   add_bodies(*this, motion, state, input, truth);
   truth.potential_energy += spring_energy(*this, motion, state);
   truth.load_cell = load_cell_force(*this, motion, input);
   if (track) add_contact_forces(*this, motion, state, truth);
-
   truth.gimbal_margin = gimbal_margin(state);
-  for (std::size_t i = 0; i < drives.size(); ++i) {
-    const double rate = rate_of(*this, motion, drives[i], state);
-    const double torque = drives[i].torque(input.mode, input.drive[i], rate);
-    const auto [low, high] = drives[i].range(rate);
-    const double margin = torque >= 0.0 ? high - torque : torque - low;
-    truth.drive_torque[i] = input.drive_strength[i] * torque;
-    truth.drive_margin[i] = input.drive_strength[i] * margin;
-  }
   return truth;
+}
+
+Effort Machine::effort(const State& state, const Input& input) const noexcept {
+  Effort effort;
+  Motion motion;
+  if (disc_body != kFixed) hold(*this, state, input, motion, effort);
+  add_drives(*this, motion, state, input, effort);
+  return effort;
 }
 
 double Machine::gimbal_margin(const State& state) const noexcept {

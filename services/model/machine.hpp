@@ -136,15 +136,22 @@ struct DiscFriction {
 /// What keeps the flywheels at speed: a regulated motor each, limited in power and torque, against
 /// drag. Off, a rotor coasts down. README.md, section 3.
 struct RotorDrive {
-  static constexpr double kCreep = 1.0;  ///< drag and brake turn with tanh(n / kCreep) [rad/s]
+  static constexpr double kCreep = 1.0;  ///< over which drag and brake turn [rad/s]
   double power_limit;                    ///< P, of one rotor's motor, mechanical [W]
   double torque_limit;                   ///< [N m]
   double time_constant;                  ///< T of the speed regulator [s]
   double viscous_drag;                   ///< [N m s/rad]
   double coulomb_drag;                   ///< [N m]
 
+  /// tanh(n / kCreep).
+  static double sense(double speed) noexcept {
+    constexpr double kOne = 20.0 * kCreep;  // from here on tanh is 1 to the last bit
+    return std::abs(speed) > kOne ? std::copysign(1.0, speed) : std::tanh(speed / kCreep);
+  }
   /// Against the spin, at a speed [rad/s] [N m].
-  double drag(double speed) const noexcept;
+  double drag(double speed) const noexcept {
+    return viscous_drag * speed + coulomb_drag * sense(speed);
+  }
   /// What the motor exerts when asked for `wanted` [N m] at a speed [rad/s].
   double torque(double wanted, double speed) const noexcept;
 };
@@ -192,20 +199,24 @@ struct Observation {
   std::array<double, kMaxGyros> rotor_speed{};                  ///< [rad/s]
 };
 
-/// What no sensor can know.
-struct Truth {
-  std::array<double, kMaxGyros> contact_lower{}, contact_upper{};  ///< normal forces [N]
+/// What moves and holds a machine.
+struct Effort {
+  std::array<double, kMaxDrives> drive_torque{};  ///< what arrives of the drives [N m]
+  std::array<double, kMaxDrives> drive_margin{};  ///< what they could add in that direction [N m]
   std::array<double, 2>
-      holding_moment{};         ///< about x, y, by an external support; mount `level` [N m]
+      holding_moment{};  ///< about x, y, by an external support; mount `level` [N m]
+};
+
+/// What no sensor can know.
+struct Truth : Effort {
+  std::array<double, kMaxGyros> contact_lower{}, contact_upper{};  ///< normal forces [N]
   double kinetic_energy = 0.0;  ///< T2, quadratic in the rates: seen from the support, the rotors'
                                 ///< own spin left out [J]
   double potential_energy = 0.0;  ///< gravity and the springs of stops, contact, bushing, cell [J]
   Eigen::Vector3d angular_momentum =
-      Eigen::Vector3d::Zero();                    ///< about the ground pivot, in space [N m s]
-  double gimbal_margin = 0.0;                     ///< to the closest stop, < 0 in it [rad]
-  std::array<double, kMaxDrives> drive_torque{};  ///< what arrives of the drives [N m]
-  std::array<double, kMaxDrives> drive_margin{};  ///< what they could add in that direction [N m]
-  double load_cell = 0.0;                         ///< > 0: the structure presses on it [N]
+      Eigen::Vector3d::Zero();  ///< about the ground pivot, in space [N m s]
+  double gimbal_margin = 0.0;   ///< to the closest stop, < 0 in it [rad]
+  double load_cell = 0.0;       ///< > 0: the structure presses on it [N]
 };
 
 /// Made by the build() of the parameters of each kind; body 0 is the structure.
@@ -251,6 +262,8 @@ struct Machine {
   /// Inverse of observe(); the observation must come from the same machine.
   State recall(const Observation& observation) const noexcept;
   Truth truth(const State& state, const Input& input) const noexcept;
+  /// That part of truth(), for less.
+  Effort effort(const State& state, const Input& input) const noexcept;
   /// To the closest stop of a gimbal, < 0 in it [rad].
   double gimbal_margin(const State& state) const noexcept;
   /// dL/dq' = M v + rotor momenta, of the machine without added masses on a support at rest:
@@ -259,5 +272,28 @@ struct Machine {
   /// Angle between the structure's axis and the vertical [rad].
   double tilt(const State& state) const noexcept;
 };
+
+template <class S>
+std::array<S, 2> Drive::range(const S& rate) const noexcept {
+  const S limit = torque_limit;
+  if (!motor) return {-limit, limit};
+  const S low = motor->torque(-motor->supply_voltage, rate);
+  const S high = motor->torque(motor->supply_voltage, rate);
+  return {std::clamp<S>(low, -limit, limit), std::clamp<S>(high, -limit, limit)};
+}
+
+template <class S>
+S Drive::torque(DriveMode mode, double command, const S& rate) const noexcept {
+  if (mode == DriveMode::kIdealTorque) return command;
+  S wanted = command;
+  if (mode == DriveMode::kBrake) wanted = motor ? motor->torque(0.0, rate) : S(-command * rate);
+  if (mode == DriveMode::kVoltage) {
+    if (!motor) return S(0.0);
+    const double Vb = motor->supply_voltage;
+    wanted = motor->torque(std::clamp(command, -Vb, Vb), rate);
+  }
+  const auto [low, high] = range(rate);
+  return std::clamp<S>(wanted, low, high);
+}
 
 }  // namespace gyrotwin::model

@@ -84,20 +84,7 @@ CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b) {
 
 template <class S>
 CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b, int n) noexcept {
-  switch (n) {
-    case 1:
-      return solve<1>(M, b);
-    case 2:
-      return solve<2>(M, b);
-    case 3:
-      return solve<3>(M, b);
-    case 4:
-      return solve<4>(M, b);
-    case 5:
-      return solve<5>(M, b);
-    default:
-      return solve<6>(M, b);
-  }
+  return as_constant<kMaxCoordinates>(n, [&](auto size) { return solve<size>(M, b); });
 }
 
 template Coordinates solve(const MassMatrix&, const Coordinates&, int) noexcept;

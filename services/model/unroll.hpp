@@ -1,4 +1,4 @@
-// Loops whose index is a constant at compile time.
+// Loops and calls whose numbers are constants at compile time.
 #pragma once
 
 #include <cstddef>
@@ -23,6 +23,15 @@ template <int n, class F>
 [[gnu::always_inline]] inline void count_to(const F& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) { (f(std::integral_constant<int, k>()), ...); }
   (std::make_integer_sequence<int, n>());
+}
+
+/// Calls f with n, which is 1 to `largest`, as a constant.
+template <int largest, class F>
+[[gnu::always_inline]] inline auto as_constant(int n, const F& f) {
+  if constexpr (largest > 1) {
+    if (n < largest) return as_constant<largest - 1>(n, f);
+  }
+  return f(std::integral_constant<int, largest>());
 }
 
 }  // namespace gyrotwin::model

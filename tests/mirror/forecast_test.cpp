@@ -16,7 +16,7 @@ using support::Trouble;
 /// The owner's plant under the law, sampled; from a push at rest.
 double plant_peak(const Rig& rig, double push_nms, double seconds) {
   const model::Machine machine = rig.build_machine();
-  Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps});
+  Plant plant(machine, rig.loop.tick_s(), {.substeps = rig.loop.substeps});
   SampledLaw law(rig, machine);
   plant.set_state(rig.initial_state(machine));
   law.reset(machine.observe(plant.state()));
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, CourseOf,
 /// When the owner's plant has fallen, braked from a push at rest [s].
 double plant_falls_braked(const Rig& rig, double push_nms) {
   const model::Machine machine = rig.build_machine();
-  Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = 64});
+  Plant plant(machine, rig.loop.tick_s(), {.substeps = 64});
   plant.set_state(rig.initial_state(machine));
   SafeStop safe_stop(rig, machine);
   safe_stop.begin(plant.state());

@@ -1,4 +1,4 @@
-// SUNDIALS as it is used here: order, exactness, bounded work, nothing carried over between calls.
+// The steppers: order, exactness, bounded work, what is carried over between calls.
 #include "services/integrator/stepper.hpp"
 
 #include <gtest/gtest.h>
@@ -47,8 +47,46 @@ TEST(Stepper, FixedStepsConvergeWithOrderFive) {
 }
 
 TEST(Stepper, AdaptiveStepsKeepTheirTolerance) {
-  EXPECT_LT(error_at_10({.adaptive = true}, 1), 1e-11);   // measured 1e-12
-  EXPECT_LT(error_at_10({.adaptive = true}, 37), 1e-11);  // measured 1e-12
+  EXPECT_LT(error_at_10({StepPolicy::Kind::kAdaptive}, 1), 1e-11);   // measured 1e-12
+  EXPECT_LT(error_at_10({StepPolicy::Kind::kAdaptive}, 37), 1e-11);  // measured 1e-12
+}
+
+TEST(Stepper, QuickStepsKeepTheirTolerance) {
+  const double error = error_at_10({StepPolicy::Kind::kQuick}, 1);
+  EXPECT_LT(error, 1e-5);  // measured 2e-6, of some 600 steps
+  EXPECT_GT(error, 1e-9);  // or they are not quick
+  EXPECT_LT(error_at_10({StepPolicy::Kind::kQuick}, 1000), 1e-5);
+}
+
+TEST(Stepper, QuickStepsBeginAsTheyEnded) {
+  Oscillator ode;
+  Stepper stepper(ode, {StepPolicy::Kind::kQuick});
+  std::array<double, 2> y{1.0, 0.0};
+  stepper.advance(0.0, 1.0, y);
+  const std::int64_t first = stepper.evaluations();
+  EXPECT_GT(first, 3 * 10);
+  stepper.advance(1.0, 1.001, y);  // far less than a step
+  EXPECT_EQ(stepper.evaluations(), 4);
+  stepper.advance(1.001, 2.001, y);
+  EXPECT_LT(stepper.evaluations(), 1.2 * static_cast<double>(first));
+}
+
+/// y' = 0, and 1 after t = 0.3.
+class Kink : public Ode {
+ public:
+  int size() const noexcept override { return 1; }
+  void rates(double t, const double*, double* dy) noexcept override { dy[0] = t < 0.3 ? 0.0 : 1.0; }
+};
+
+TEST(Stepper, StepsMeetAJumpOfTheRates) {
+  for (const auto kind : {StepPolicy::Kind::kAdaptive, StepPolicy::Kind::kQuick}) {
+    Kink ode;
+    Stepper stepper(ode, {kind});
+    std::array<double, 1> y{0.0};
+    EXPECT_TRUE(stepper.advance(0.0, 1.0, y));
+    EXPECT_NEAR(y[0], 0.7, 1e-6);
+    EXPECT_LT(stepper.evaluations(), 2000);
+  }
 }
 
 TEST(Stepper, WorkOfAFixedCallIsBounded) {
@@ -77,17 +115,22 @@ TEST(Stepper, FailureIsSaidAndCanBeRecoveredFrom) {
     int size() const noexcept override { return 1; }
     void rates(double, const double* y, double* dy) noexcept override { dy[0] = y[0] * y[0]; }
   } ode;  // y = 1 / (1 - t) from y(0) = 1
-  Stepper stepper(ode, {.adaptive = true});
-  std::array<double, 1> y{1.0};
-  EXPECT_FALSE(stepper.advance(0.0, 2.0, y));
-  y = {1.0};
-  EXPECT_TRUE(stepper.advance(0.0, 0.5, y));
-  EXPECT_NEAR(y[0], 2.0, 1e-10);  // measured 2e-12
+  Stepper adaptive(ode, {StepPolicy::Kind::kAdaptive}), quick(ode, {StepPolicy::Kind::kQuick});
+  for (Stepper* stepper : {&adaptive, &quick}) {
+    std::array<double, 1> y{1.0};
+    EXPECT_FALSE(stepper->advance(0.0, 2.0, y));
+    y = {1.0};
+    EXPECT_TRUE(stepper->advance(0.0, 0.5, y));
+    EXPECT_NEAR(y[0], 2.0, stepper == &quick ? 1e-5 : 1e-10);  // measured 1e-6, 2e-12
+    y = {NAN};
+    EXPECT_FALSE(stepper->advance(0.0, 0.5, y));
+  }
 }
 
 TEST(Stepper, DoesNotAllocate) {
   Oscillator ode;
-  Stepper fixed(ode, {.substeps = 4}), adaptive(ode, {.adaptive = true});
+  Stepper fixed(ode, {.substeps = 4}), adaptive(ode, {StepPolicy::Kind::kAdaptive});
+  Stepper quick(ode, {StepPolicy::Kind::kQuick});
   std::array<double, 2> y{1.0, 0.0};
   fixed.advance(0.0, 0.1, y);
   adaptive.advance(0.0, 0.1, y);
@@ -95,6 +138,7 @@ TEST(Stepper, DoesNotAllocate) {
   for (int i = 0; i < 100; ++i) {
     fixed.advance(0.0, 0.1, y);
     adaptive.advance(0.0, 0.1, y);
+    quick.advance(0.0, 0.1, y);
   }
   EXPECT_EQ(allocations.count(), 0);
 }

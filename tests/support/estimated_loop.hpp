@@ -30,7 +30,7 @@ struct EstimatedLoop {
   explicit EstimatedLoop(const std::string& name, const std::vector<std::string>& overrides = {})
       : rig(load_rig(name, overrides)),
         machine(rig.build_machine()),
-        plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps}),
+        plant(machine, rig.loop.tick_s(), {.substeps = rig.loop.substeps}),
         simulated(rig, machine),
         estimator(rig, machine),
         law(rig, machine) {

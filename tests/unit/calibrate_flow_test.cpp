@@ -82,7 +82,7 @@ void expect_near(const Eigen::VectorXd& found, const Eigen::VectorXd& difference
 }
 
 TEST_P(CalibrateFlow, GoesWhereThePlantGoes) {
-  Plant plant(around->machine, rig.loop.tick_s(), {.adaptive = true});
+  Plant plant(around->machine, rig.loop.tick_s(), {StepPolicy::Kind::kAdaptive});
   plant.set_state(unpack(around->machine, y.data(), held));
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(plant.advance(input(k)));
   Eigen::VectorXd there(y.size());

@@ -169,7 +169,7 @@ class Beside : public Spectator {
     }
     if (same_) last_same_ = sample.t;
   }
-  bool go_on(double) override { return same_; }
+  bool go_on(const Outcome&) override { return same_; }
 
   int samples() const { return samples_; }
   bool same() const { return same_; }
@@ -228,10 +228,10 @@ std::string refusal(const char* text, bool sampled = true) {
   const model::Machine machine = rig.build_machine();
   Scenario scenario = scenario_of(rig, machine, text, 0.01);
   scenario.sampled = sampled;
-  scenario.stepping.adaptive = !sampled;
+  if (!sampled) scenario.stepping.kind = StepPolicy::Kind::kAdaptive;
   struct : Spectator {
     void sample(const Sample&) override {}
-    bool go_on(double) override { return true; }
+    bool go_on(const Outcome&) override { return true; }
   } nobody;
   try {
     simulate(rig, machine, scenario, nobody);

@@ -28,7 +28,7 @@ class Recorder : public Spectator {
     samples.push_back({s.t, s.state, s.input});
     if (s.estimate != nullptr) estimates.push_back(*s.estimate);
   }
-  bool go_on(double t) override { return t < stop_at; }
+  bool go_on(const Outcome& until_now) override { return until_now.t < stop_at; }
 
   std::vector<Recorded> samples;
   std::vector<model::Observation> estimates;
@@ -81,7 +81,7 @@ Scenario continuous(const model::State& start, double duration, double sample) {
   scenario.duration = duration;
   scenario.sample = sample;
   scenario.sampled = false;
-  scenario.stepping.adaptive = true;
+  scenario.stepping.kind = StepPolicy::Kind::kAdaptive;
   return scenario;
 }
 
@@ -99,7 +99,7 @@ TEST_P(SampledFeedback, TakesTheLiveSystemsSteps) {
   ASSERT_EQ(result.samples.size(), kTicks + 1u);
 
   SampledLaw law(rig, machine);
-  Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps});
+  Plant plant(machine, rig.loop.tick_s(), {.substeps = rig.loop.substeps});
   plant.set_state(scenario.start);
   law.reset(machine.observe(scenario.start));
   std::deque<DriveTorques> on_the_way(static_cast<std::size_t>(GetParam()), DriveTorques{});
@@ -281,7 +281,7 @@ TEST(Samples, FallOnTicksWhereThereAreTicks) {
   scenario.sampled = false;
   scenario.torque = InputFunction<DriveTorques>{[](const Instant&) { return DriveTorques{}; }, {}};
   EXPECT_NE(refusal(0.006), "accepted") << "fixed steps are a tick's";
-  scenario.stepping.adaptive = true;
+  scenario.stepping.kind = StepPolicy::Kind::kAdaptive;
   EXPECT_EQ(refusal(0.006), "accepted");
 }
 

@@ -70,7 +70,7 @@ TEST(Experiment, IsShownAgainByACommand) {
       {"start.thx=0.1,-0.1"});
   EXPECT_EQ(odd.repeat_command(1),
             "gyrotwin simulate --rig double_brennan --set 'rig.summary=\"it'\\''s mine\"' "
-            "--initial thx=-0.1 --feedback sampled --duration 0.05");
+            "--initial thx=-0.1 --feedback sampled --stepper quick --duration 0.05");
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ class Everything : public Spectator {
     margin = std::min(margin, truth.gimbal_margin);
     tilt = std::max(tilt, machine_.tilt(sample.state));
   }
-  bool go_on(double /*t*/) override { return true; }
+  bool go_on(const Outcome&) override { return true; }
 
   int ticks = 0;
   double drive = 0.0, holding = 0.0, tilt = 0.0;
@@ -56,6 +56,44 @@ TEST(Trial, KeepsTheMostOfAllTicks) {
   EXPECT_EQ(trial.largest_tilt, all.tilt);
   EXPECT_GT(all.holding, 100.0);
 }
+
+/// Where each run of a sweep is, tick by tick.
+class Path : public Spectator {
+ public:
+  void sample(const Sample& sample) override { q.push_back(sample.state.q); }
+  bool go_on(const Outcome&) override { return true; }
+  std::vector<model::Coordinates> q;
+};
+
+class QuickSteps : public testing::TestWithParam<std::pair<const char*, double>> {};
+
+/// In closed loop, in contact too. @param largest error in a second of a rig pushed off by 0.02 rad
+TEST_P(QuickSteps, AreOffByLittle) {
+  const auto [name, measured] = GetParam();
+  const Rig rig = load_rig(name);
+  const model::Machine machine = rig.build_machine();
+  Scenario scenario = live_scenario(rig, machine, 1.0);
+  scenario.start.q[0] += 0.02;
+  Path exact, quick;
+  scenario.stepping.kind = StepPolicy::Kind::kAdaptive;
+  simulate(rig, machine, scenario, exact);
+  scenario.stepping.kind = StepPolicy::Kind::kQuick;
+  simulate(rig, machine, scenario, quick);
+  ASSERT_EQ(quick.q.size(), exact.q.size());
+  double error = 0.0;
+  for (std::size_t k = 0; k < exact.q.size(); ++k) {
+    error = std::max(error, (quick.q[k] - exact.q[k]).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LT(error, 3.0 * measured);
+  EXPECT_GT(error, 0.03 * measured);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rigs, QuickSteps,
+                         testing::Values(std::pair("prototype_b", 1e-6),
+                                         std::pair("prototype_b_sleeping", 1e-8),
+                                         std::pair("double_brennan", 1e-7),
+                                         std::pair("brennan_monorail", 1e-7)),
+                         [](const auto& test) { return std::string(test.param.first); });
 
 TEST(Trial, CountsDrivesAtTheirLimitAndSlowRotors) {
   Rig rig = load_rig("double_brennan");

@@ -14,7 +14,7 @@ model::Input scenario_input(const Rig& rig, const model::Machine& machine, int t
 
 std::vector<Sample> trajectory(const Rig& rig) {
   const model::Machine machine = rig.build_machine();
-  Plant plant(machine, rig.loop.tick_s(), {.adaptive = false, .substeps = rig.loop.substeps});
+  Plant plant(machine, rig.loop.tick_s(), {.substeps = rig.loop.substeps});
   plant.set_state(machine.state(rig.initial_q, rig.initial_v));
   std::vector<Sample> samples;
   for (int k = 0; k < kTrajectoryTicks; ++k) {

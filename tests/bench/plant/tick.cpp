@@ -80,7 +80,8 @@ std::unique_ptr<Ticker> gyrotwin_ticker(const Rig& rig, std::optional<int> steps
 }
 
 std::unique_ptr<Ticker> gyrotwin_reference(const Rig& rig) {
-  return std::make_unique<Gyrotwin>(rig, "gyrotwin reference", StepPolicy{.adaptive = true});
+  return std::make_unique<Gyrotwin>(rig, "gyrotwin reference",
+                                    StepPolicy{StepPolicy::Kind::kAdaptive});
 }
 
 const std::vector<std::string>& tick_rigs() {

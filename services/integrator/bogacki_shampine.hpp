@@ -1,0 +1,90 @@
+// A Runge-Kutta pair of low order with control of its error, for many runs whose last digits nobody
+// reads. Source: P. Bogacki and L. F. Shampine, A 3(2) pair of Runge-Kutta formulas, Applied
+// Mathematics Letters 2 (1989), 321-325.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "services/integrator/stepper.hpp"
+
+namespace gyrotwin {
+
+/// Steps an Ode of at most n entries. Each call begins with the step that suited the end of the one
+/// before. No allocation, no exception.
+template <int n>
+class BogackiShampine {
+ public:
+  /// @param ode outlives it
+  /// @param tolerance of each entry y in a step: tolerance * (1 + |y|)
+  BogackiShampine(Ode& ode, double tolerance) : ode_(ode), tolerance_(tolerance) {}
+
+  /// As Stepper::advance().
+  bool advance(double t0, double t1, double* state) noexcept {
+    constexpr double kSmallest = 1e-12;  // step, of the call's length
+    const int size = ode_.size();
+    std::copy_n(state, size, y_.data());
+    evaluations_ = 0;
+    rates(t0, y_, k1_);
+    double t = t0;
+    while (t < t1) {
+      const double left = t1 - t;
+      const bool last = step_ >= left;
+      // Not a long step and a tiny rest.
+      const double h = last ? left : std::min(step_, 0.5 * left);
+      if (h < kSmallest * (t1 - t0)) {
+        step_ = HUGE_VAL;
+        break;
+      }
+      const double error = attempt(t, h);
+      // Third order: the step that meets the tolerance, with something to spare.
+      const double better = h * std::clamp(0.9 / std::cbrt(error), 0.2, 5.0);
+      if (!(error <= 1.0)) {
+        step_ = error > 1.0 ? better : 0.2 * h;
+        continue;
+      }
+      // What the call's end cut short says nothing against the longer step.
+      step_ = last && better >= h ? std::max(step_, better) : better;
+      t = last ? t1 : t + h;
+      y_ = next_;
+      k1_ = k4_;
+    }
+    std::copy_n(y_.data(), size, state);
+    return t == t1;
+  }
+
+  /// Right-hand sides of the last advance().
+  std::int64_t evaluations() const noexcept { return evaluations_; }
+
+ private:
+  using Vector = Eigen::Array<double, n, 1>;
+
+  void rates(double t, const Vector& y, Vector& k) noexcept {
+    ode_.rates(t, y.data(), k.data());
+    ++evaluations_;
+  }
+
+  /// From y_ and its rates k1_ to next_ and its rates k4_. @return the largest error of an entry in
+  /// units of what it may have; may be NaN
+  double attempt(double t, double h) noexcept {
+    rates(t + 0.5 * h, y_ + 0.5 * h * k1_, k2_);
+    rates(t + 0.75 * h, y_ + 0.75 * h * k2_, k3_);
+    next_ = y_ + h * (2.0 / 9.0 * k1_ + 1.0 / 3.0 * k2_ + 4.0 / 9.0 * k3_);
+    rates(t + h, next_, k4_);
+    const Vector error =
+        h * (5.0 / 72.0 * k1_ - 1.0 / 12.0 * k2_ - 1.0 / 9.0 * k3_ + 1.0 / 8.0 * k4_);
+    return (error.abs() / (tolerance_ + tolerance_ * next_.abs()))
+        .template maxCoeff<Eigen::PropagateNaN>();
+  }
+
+  Ode& ode_;
+  double tolerance_;
+  double step_ = HUGE_VAL;
+  // Entries beyond the Ode's stay 0.
+  Vector y_ = Vector::Zero(), next_ = Vector::Zero();
+  Vector k1_ = Vector::Zero(), k2_ = Vector::Zero(), k3_ = Vector::Zero(), k4_ = Vector::Zero();
+  std::int64_t evaluations_ = 0;
+};
+
+}  // namespace gyrotwin
