@@ -27,6 +27,7 @@ constexpr int kMeetingAttempts = 100;  // of kPatienceMs each
 
 constexpr std::array kSubjects{
     Subject{"raw UDP", raw_udp_near, raw_udp_far},
+    Subject{"raw multicast", raw_multicast_near, raw_multicast_far},
     Subject{"gyrotwin", bus_near, bus_far},
     Subject{"gyrotwin signed", signed_bus_near, signed_bus_far},
 #ifdef GYROTWIN_PEERS

@@ -35,6 +35,8 @@ inline constexpr int kPatienceMs = 100;
 
 std::unique_ptr<Near> raw_udp_near();
 std::unique_ptr<Far> raw_udp_far();
+std::unique_ptr<Near> raw_multicast_near();
+std::unique_ptr<Far> raw_multicast_far();
 std::unique_ptr<Near> bus_near();
 std::unique_ptr<Far> bus_far();
 std::unique_ptr<Near> signed_bus_near();
