@@ -1,7 +1,8 @@
 #include "clients/log/listener.hpp"
 
-#include <ctime>
 #include <limits>
+
+#include "services/runtime/clock.hpp"
 
 namespace gyrotwin {
 
@@ -10,11 +11,7 @@ namespace {
 constexpr std::int64_t kTurn = 50'000'000;  // [ns]
 constexpr std::int64_t kForEver = std::numeric_limits<std::int64_t>::max();
 
-std::int64_t wall_clock_us() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{1'000'000} * now.tv_sec + now.tv_nsec / 1000;
-}
+std::int64_t wall_clock_us() { return wall_ns() / 1000; }
 
 }  // namespace
 

@@ -71,10 +71,12 @@ void add_plant(CLI::App& app, Options& options) {
   add_variation(app, options.variation);
   app.get_option("--law")->group("Inputs");
   for (const char* name : {"--mount", "--track"}) app.get_option(name)->group("Plant");
-  word("--feedback", options.feedback,
-       "sampled: torques once a tick, held over it, the same bits as a live system in lockstep; "
-       "continuous: at every instant. Default: sampled with a law, a scenario or an estimate",
-       {"sampled", "continuous"}, "Time");
+  word(
+      "--feedback", options.feedback,
+      "sampled: torques once a tick, held over it, with fixed steps the same bits as a live system "
+      "in lockstep; "
+      "continuous: at every instant. Default: sampled with a law, a scenario or an estimate",
+      {"sampled", "continuous"}, "Time");
   word("--stepper", options.stepper,
        std::string(kStepperHelp) +
            ". Default: fixed with sampled feedback, adaptive with continuous",

@@ -16,7 +16,8 @@ namespace gyrotwin {
 namespace {
 
 constexpr double kDefaultSample = 0.01;  // [s]
-constexpr double kLongestPiece = 0.01;   // of free stepping, so that no short pulse is missed [s]
+constexpr double kLongestPiece =
+    0.01;  // of adaptive stepping, so that no short pulse is missed [s]
 // Times closer than this share of a second (or of themselves) are the same, but for rounding.
 constexpr double kSameTime = 1e-12;
 // Share of a tick that is surely inside of it and changes nothing else.
@@ -60,7 +61,7 @@ std::int64_t ticks_in(const char* option, double time, double tick) {
   throw Error(std::string(option) + " " + seconds(time) + ": time goes in ticks of " +
               seconds(tick) + " s here; the nearest that fit are " +
               (below > 0.0 ? seconds(below * tick) + " and " : "") + seconds((below + 1.0) * tick) +
-              " (continuous feedback without the fixed stepper takes any)");
+              " (continuous feedback with the adaptive stepper takes any)");
 }
 
 Grid tick_grid(double tick, const Scenario& scenario) {
@@ -86,7 +87,7 @@ Grid free_grid(const Scenario& scenario) {
 }
 
 Grid grid_of(const Rig& rig, const Scenario& scenario) {
-  const bool ticks = scenario.sampled || scenario.stepping.kind == StepPolicy::Kind::kFixed;
+  const bool ticks = scenario.sampled || scenario.stepping.kind != StepPolicy::Kind::kAdaptive;
   return ticks ? tick_grid(rig.loop.tick_s(), scenario) : free_grid(scenario);
 }
 
@@ -202,6 +203,12 @@ class Run {
         state_(scenario.start),
         outcome_{.verdict =
                      Verdict(rig, machine, scenario.duration, random_to_the_end(rig, scenario))} {
+    if (!scenario.sampled && scenario.stepping.kind == StepPolicy::Kind::kQuick) {
+      throw Error(
+          "quick steps go to the end of a tick at once and may miss what comes in between: they "
+          "need "
+          "sampled feedback; take the adaptive stepper");
+    }
     if (scenario.sampled) {
       sampled_.emplace(rig, machine, scenario);
     } else if (rig.loop.state == StateSource::kEstimate || !scenario.events.empty()) {

@@ -1,5 +1,5 @@
 // A rig's plant and law, run offline from a start to an end. Pure: inputs in, samples out; the same
-// steps as the live system where feedback is sampled.
+// bits as the live system where feedback is sampled and steps are fixed.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,7 +46,7 @@ struct Scenario {
   std::optional<double>
       sample;           ///< between samples [s]; by default 0.01 s, or the ticks next to it
   bool sampled = true;  ///< drives held over each tick, as in the live system
-  StepPolicy stepping;  ///< fixed: substeps per tick
+  StepPolicy stepping;  ///< substeps are of a tick
   std::optional<InputFunction<DriveTorques>> torque;  ///< replaces the rig's law [N m]
   InputFunction<Wrench> external;
 
@@ -74,7 +74,7 @@ struct Outcome {
     kInputNotFinite,  ///< a torque or wrench was not finite
     kNotFinite        ///< the solver failed or the state was not finite
   };
-  End end = End::kDuration;
+  End end = End::kDuration;              ///< while it goes on: not yet
   double t = 0.0;                        ///< last time with a sound state [s]
   Verdict verdict{};                     ///< of all until then
   std::optional<double> safe_stop_at{};  ///< when commands were lost, for good [s]
@@ -90,10 +90,10 @@ class Spectator {
   virtual bool go_on(const Outcome& until_now) = 0;
 };
 
-/// Runs a scenario. Sampled feedback takes the very steps of a live system in lockstep: the law
-/// once a tick on what STATE says, its torque held from `command_delay_ticks` later, `substeps`
-/// from local time 0. Continuous feedback asks law or torque at every evaluation and integrates the
-/// law's memory too; it knows neither events nor estimates.
+/// Runs a scenario. Sampled feedback goes as a live system in lockstep: the law once a tick on what
+/// STATE says, its torque held from `command_delay_ticks` later, and with fixed steps the very same
+/// bits. Quick steps are for sampled feedback. Continuous feedback asks law or torque at every
+/// evaluation and integrates the law's memory too; it knows neither events nor estimates.
 /// @param rig its law, unless the scenario has a torque; its tick, delay and fall limit
 /// @param machine the rig's, whose drives may have been changed
 /// @throws Error when law, tick, sample, duration and events do not fit together

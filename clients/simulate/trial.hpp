@@ -1,4 +1,4 @@
-// One run of a rig as it would run live, and what became of it.
+// One run of a rig as it would run live, but for how it is stepped, and what became of it.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ struct Trial {
 };
 
 /// The rig under its own law and feedback from its initial state, as the live system would run it,
-/// with a sample every tick.
+/// with fixed steps and a sample every tick.
 /// @param duration [s]; rounded to whole ticks
 Scenario live_scenario(const Rig& rig, const model::Machine& machine, double duration);
 

@@ -152,7 +152,7 @@ Trial Experiment::trial(const Settings& settings) const {
   Scenario scenario = live_scenario(rig, machine, bench_.duration);
   scenario.start = start_of(rig, machine, settings.start);
   scenario.events = events_of(rig, settings.events);
-  scenario.stepping.kind = stepper_of(bench_.stepper);
+  scenario.stepping.kind = bench_.stepper;
   return run_trial(rig, machine, scenario);
 }
 
@@ -175,8 +175,8 @@ std::string Experiment::line(std::int64_t run) const {
 std::string Experiment::refusal(std::int64_t run) const {
   try {
     const Settings chosen = settings(values(run));
-    const Rig rig = load_rig(bench_.rig, chosen.rig);
-    start_of(rig, rig.build_machine(), chosen.start);
+    const auto& [_, rig, machine] = built(chosen.rig);
+    start_of(rig, machine, chosen.start);
     events_of(rig, chosen.events);
   } catch (const Error& error) {
     return error.what();
@@ -186,8 +186,8 @@ std::string Experiment::refusal(std::int64_t run) const {
 
 double Experiment::duration_of(const Settings& settings) const {
   try {
-    const Rig rig = load_rig(bench_.rig, settings.rig);
-    return live_scenario(rig, rig.build_machine(), bench_.duration).duration;
+    const auto& [_, rig, machine] = built(settings.rig);
+    return live_scenario(rig, machine, bench_.duration).duration;
   } catch (const Error&) {
     return bench_.duration;  // there is no such rig, which is what the command will say
   }
@@ -204,7 +204,7 @@ std::string Experiment::repeat_command(std::int64_t run) const {
     text += " --scenario " + shell_word(bench_.scenario.source);
     for (const std::string& event : chosen.events) text += " --event " + shell_word(event);
   }
-  return text + " --feedback sampled --stepper " + bench_.stepper + " --duration " +
+  return text + " --feedback sampled --stepper " + word_of(bench_.stepper) + " --duration " +
          number_text(duration_of(chosen));
 }
 

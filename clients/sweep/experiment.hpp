@@ -18,7 +18,7 @@ struct Bench {
   std::vector<std::string> overrides;  ///< as in --set
   ScenarioFile scenario = {};          ///< an empty document: nothing happens
   double duration = 20.0;              ///< [s]
-  std::string stepper = "quick";       ///< as in --stepper
+  StepPolicy::Kind stepper = StepPolicy::Kind::kQuick;
 };
 
 /// A line of the result for every run of a plan. The same line whoever asks, and when.
@@ -46,18 +46,19 @@ class Experiment {
   struct Settings {
     std::vector<std::string> rig, start, events;  // key=value
   };
+  /// What settings of the rig make of it.
+  struct Built {
+    std::vector<std::string> settings;
+    Rig rig;
+    model::Machine machine;
+  };
   void check() const;
   /// Factors multiplied.
   Point values(std::int64_t run) const;
   Settings settings(const Point& values) const;
   std::vector<Scenario::Event> events_of(const Rig& rig,
                                          const std::vector<std::string>& settings) const;
-  /// A rig and its machine.
-  struct Built {
-    std::vector<std::string> settings;
-    Rig rig;
-    model::Machine machine;
-  };
+  /// @throws Error when there is no such rig
   const Built& built(const std::vector<std::string>& settings) const;
   Trial trial(const Settings& settings) const;
   double duration_of(const Settings& settings) const;  // in whole ticks [s]

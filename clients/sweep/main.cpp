@@ -30,7 +30,8 @@ constexpr std::int64_t kDrawnRuns = 200;  // when nobody says how many
 
 struct Options {
   std::vector<std::string> vary;
-  std::string scenario, output, stepper = "quick";
+  std::string scenario, output;
+  std::string stepper = word_of(Bench{}.stepper);
   Variation variation;
   std::int64_t runs = 0;
   std::uint64_t seed = 0;
@@ -100,7 +101,7 @@ nlohmann::json definition_of(const Bench& bench, const Plan& plan) {
           {"runs", plan.repetitions},
           {"seed", plan.seed},
           {"duration_s", bench.duration},
-          {"stepper", bench.stepper},
+          {"stepper", word_of(bench.stepper)},
           {"version", GYROTWIN_VERSION}};
 }
 
@@ -167,7 +168,11 @@ std::string write_summary(const std::filesystem::path& folder, const Experiment&
 int run(RigOptions& rig_options, const Options& options) {
   apply(options.variation, rig_options);
   const Rig rig = rig_options.load();
-  Bench bench{rig_options.name(), rig_options.overrides(), {}, options.duration, options.stepper};
+  Bench bench{rig_options.name(),
+              rig_options.overrides(),
+              {},
+              options.duration,
+              stepper_of(options.stepper)};
   if (!options.scenario.empty()) {
     bench.scenario = open_scenario(options.scenario);
     bench.scenario.source = options.scenario;  // the same wherever it is installed

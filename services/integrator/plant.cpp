@@ -11,7 +11,7 @@ namespace gyrotwin {
 
 namespace {
 
-/// Copies n numbers, 1 to `largest`, without the call that as few are not worth.
+/// Copies n numbers, 1 to `largest`, in line: for so few a call of memmove costs more.
 template <int largest>
 void copy_few(int n, const double* from, double* to) noexcept {
   model::as_constant<largest>(n, [&](auto count) { std::copy_n(from, +count, to); });

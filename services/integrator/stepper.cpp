@@ -15,14 +15,12 @@ namespace gyrotwin {
 
 namespace {
 
-// Adaptive: tolerances of each entry, relative and absolute.
-constexpr double kRelative = 1e-12, kAbsolute = 1e-14;
+constexpr double kAbsolute = 0.01 * StepPolicy::kExact;  // for entries around 0
 constexpr long kMaxSteps = 1'000'000;
 // A jump of the right-hand side is met by making the step a billionth: not in the usual 7 tries.
 constexpr int kMaxErrorTestFailures = 100;
-// Quick.
-constexpr double kQuickTolerance = 2e-7;
-constexpr int kQuickSizes = 4;  // equations of up to 4, 8, 12 ... entries have a stepper each
+constexpr int kQuickStride =
+    4;  // equations of up to 4, 8, 12 ... entries have a quick stepper each
 
 int right_hand_side(realtype t, N_Vector y, N_Vector dy, void* context) {
   static_cast<Ode*>(context)->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
@@ -76,7 +74,8 @@ class Stepper::Sundials : public Stepper::Solver {
     require(ERKStepSetTableNum(memory_, ARKODE_DORMAND_PRINCE_7_4_5) == ARK_SUCCESS,
             "ERKStepSetTableNum");
     if (adaptive()) {
-      require(ERKStepSStolerances(memory_, kRelative, kAbsolute) == ARK_SUCCESS, "tolerances");
+      require(ERKStepSStolerances(memory_, StepPolicy::kExact, kAbsolute) == ARK_SUCCESS,
+              "tolerances");
       require(ERKStepSetMaxNumSteps(memory_, kMaxSteps) == ARK_SUCCESS, "step limit");
       require(ERKStepSetMaxErrTestFails(memory_, kMaxErrorTestFailures) == ARK_SUCCESS,
               "limit of error test failures");
@@ -127,7 +126,7 @@ class Stepper::Sundials : public Stepper::Solver {
 template <int n>
 class Stepper::Quick : public Stepper::Solver {
  public:
-  explicit Quick(Ode& ode) : pair_(ode, kQuickTolerance) {}
+  explicit Quick(Ode& ode) : pair_(ode, StepPolicy::kCoarse) {}
   bool advance(double t0, double t1, std::span<double> y) noexcept override {
     return pair_.advance(t0, t1, y.data());
   }
@@ -141,7 +140,7 @@ class Stepper::Quick : public Stepper::Solver {
 template <int n>
 std::unique_ptr<Stepper::Solver> Stepper::quick(Ode& ode) {
   if constexpr (n < Ode::kMaxSize) {
-    if (ode.size() > n) return quick<n + kQuickSizes>(ode);
+    if (ode.size() > n) return quick<n + kQuickStride>(ode);
   }
   return std::make_unique<Quick<n>>(ode);
 }
@@ -152,7 +151,7 @@ Stepper::Stepper(Ode& ode, const StepPolicy& policy) {
                 std::to_string(Ode::kMaxSize) + ": raise Ode::kMaxSize");
   }
   if (policy.kind == StepPolicy::Kind::kQuick) {
-    solver_ = quick<kQuickSizes>(ode);
+    solver_ = quick<kQuickStride>(ode);
   } else {
     solver_ = std::make_unique<Sundials>(ode, policy);
   }

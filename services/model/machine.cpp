@@ -59,7 +59,7 @@ void hold(const Machine& machine, const State& state, const Input& input, Motion
   effort.holding_moment = holding_moment(machine, state, acceleration, rotor_rate, input);
 }
 
-/// @param motion what drives on the disc need
+/// @param motion evaluated where the machine has a disc; else it is not read
 void add_drives(const Machine& machine, const Motion& motion, const State& state,
                 const Input& input, Effort& effort) {
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {

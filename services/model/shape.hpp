@@ -86,7 +86,8 @@ struct Shape {
   ShortList<Joint, kMaxBodies> bodies;
   ShortList<Hinge, kMaxRotors> gimbals;
 
-  /// Adds a body. Coordinates are counted. What no evaluation knows does not compile.
+  /// Adds a body. Coordinates are counted. What no evaluation knows does not compile
+  /// (in a constant; else it throws).
   constexpr Shape& hang(int position_parent, int orientation_parent,
                         const ShortList<Rotation, 4>& rotations) {
     if (position_parent > 0 || position_parent >= bodies.size ||

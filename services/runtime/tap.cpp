@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <ctime>
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -15,20 +15,15 @@ namespace {
 constexpr int kLongestBurst = 256;
 constexpr std::size_t kLargestDatagram = 65'507;  // that UDP over IPv4 has
 
-std::int64_t microseconds(const timespec& time) noexcept {
-  return std::int64_t{1'000'000} * time.tv_sec + time.tv_nsec / 1000;
-}
-
 /// When the kernel had a datagram; now, where it does not say.
 std::int64_t arrival_us(msghdr& message) noexcept {
-  timespec time{};
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec time{};
     std::memcpy(&time, CMSG_DATA(c), sizeof time);
-    return microseconds(time);
+    return nanoseconds(time) / 1000;
   }
-  clock_gettime(CLOCK_REALTIME, &time);
-  return microseconds(time);
+  return wall_ns() / 1000;
 }
 
 bool visible(std::string_view name) noexcept {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "services/model/evaluate.hpp"
+#include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
 
 namespace gyrotwin {
@@ -129,6 +130,24 @@ TEST(MachineContract, TruthSaysWhatTheDriveStillCan) {
   const model::Truth weak = machine.truth(machine.state({}, {0, 0, 20.0, 0}), input);
   EXPECT_EQ(weak.drive_torque[0], -2.5);
   EXPECT_EQ(weak.drive_margin[0], 12.5);
+}
+
+TEST(Effort, IsThatOfTheTruth) {
+  reference::Random random(8);
+  for (const model::Machine& machine : random.machines()) {
+    for (const DriveMode mode : {DriveMode::kTorque, DriveMode::kBrake, DriveMode::kIdealTorque}) {
+      const model::State state = random.state(machine, 0.3, 2.0);
+      Input input = random.input();
+      input.mode = mode;
+      const model::Truth truth = machine.truth(state, input);
+      const model::Effort effort = machine.effort(state, input);
+      EXPECT_EQ(effort.drive_torque, truth.drive_torque);
+      EXPECT_EQ(effort.drive_margin, truth.drive_margin);
+      EXPECT_EQ(effort.holding_moment, truth.holding_moment);
+      EXPECT_NE(effort.drive_torque[0], 0.0);
+      EXPECT_EQ(effort.holding_moment[0] != 0.0, machine.unheld != nullptr);
+    }
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "services/integrator/bogacki_shampine.hpp"
 #include "services/integrator/plant.hpp"
 #include "tests/support/allocation_counter.hpp"
 
@@ -67,8 +68,30 @@ TEST(Stepper, QuickStepsBeginAsTheyEnded) {
   EXPECT_GT(first, 3 * 10);
   stepper.advance(1.0, 1.001, y);  // far less than a step
   EXPECT_EQ(stepper.evaluations(), 4);
-  stepper.advance(1.001, 2.001, y);
-  EXPECT_LT(stepper.evaluations(), 1.2 * static_cast<double>(first));
+  stepper.advance(1.001, 1.05, y);
+  EXPECT_EQ(stepper.evaluations(), 1 + 3 * 3);  // with a first step of any length: 13
+}
+
+TEST(BogackiShampine, IsOfThirdOrderAndKeepsItsTolerance) {
+  struct Done {
+    double error;
+    std::int64_t evaluations;
+  };
+  const auto done = [](double tolerance) {
+    Oscillator ode;
+    BogackiShampine<4> pair(ode, tolerance);
+    std::array<double, 2> y{1.0, 0.0};
+    EXPECT_TRUE(pair.advance(0.0, 10.0, y.data()));
+    return Done{std::abs(y[0] - Oscillator::exact(10.0)), pair.evaluations()};
+  };
+  Done coarse = done(1e-4);
+  for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+    const Done fine = done(tolerance);
+    const double cost = static_cast<double>(fine.evaluations) / coarse.evaluations;
+    EXPECT_NEAR(std::log10(cost), 2.0 / 3.0, 0.07);                 // measured 0.64 to 0.66
+    EXPECT_NEAR(std::log10(coarse.error / fine.error), 2.0, 0.15);  // measured 2.00 to 2.09
+    coarse = fine;
+  }
 }
 
 /// y' = 0, and 1 after t = 0.3.
@@ -87,6 +110,26 @@ TEST(Stepper, StepsMeetAJumpOfTheRates) {
     EXPECT_NEAR(y[0], 0.7, 1e-6);
     EXPECT_LT(stepper.evaluations(), 2000);
   }
+}
+
+TEST(Stepper, QuickStepsTakeNoInfiniteEntry) {
+  Oscillator ode;
+  Stepper stepper(ode, {StepPolicy::Kind::kQuick});
+  std::array<double, 2> y{HUGE_VAL, 1.0};
+  EXPECT_FALSE(stepper.advance(0.0, 0.1, y));
+}
+
+TEST(Stepper, WhatGoesToAndFroIsGivenUp) {
+  struct Chatter : Ode {
+    int size() const noexcept override { return 1; }
+    void rates(double, const double* y, double* dy) noexcept override {
+      dy[0] = y[0] > 0.0 ? -1e6 : 1e6;
+    }
+  } ode;
+  Stepper stepper(ode, {StepPolicy::Kind::kQuick});
+  std::array<double, 1> y{0.5};
+  EXPECT_FALSE(stepper.advance(0.0, 1.0, y));
+  EXPECT_LE(stepper.evaluations(), 300'001);
 }
 
 TEST(Stepper, WorkOfAFixedCallIsBounded) {

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string>
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/descriptor.hpp"
 #include "tests/support/line_frames.hpp"
 #include "tests/support/process.hpp"
@@ -88,12 +89,7 @@ TEST_F(Bench, SpeaksOnATerminalThatGoesWithIt) {
   const fs::path truth = home_ / "truth.csv";
   support::Process emulator = start({"--truth", truth, "--clock-offset-s", "1000"});
   open();
-  const auto host_now = [] {
-    timespec now{};
-    ::clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec;
-  };
-  const std::int64_t begun = host_now();
+  const std::int64_t begun = monotonic_ns() / 1'000'000'000;
   ASSERT_TRUE(comes<sensors_t>([&](const sensors_t& s) {
     return s.header.rig_id == kRig && s.header.tick > 100 &&
            s.header.sim_time_ns / 1'000'000'000 >= begun + 990;

@@ -283,6 +283,8 @@ TEST(Samples, FallOnTicksWhereThereAreTicks) {
   EXPECT_NE(refusal(0.006), "accepted") << "fixed steps are a tick's";
   scenario.stepping.kind = StepPolicy::Kind::kAdaptive;
   EXPECT_EQ(refusal(0.006), "accepted");
+  scenario.stepping.kind = StepPolicy::Kind::kQuick;
+  EXPECT_NE(refusal(0.005).find("they need sampled feedback"), std::string::npos);
 }
 
 TEST(Samples, TakeTicksThatAreRoundedToNanosecondsForWhatIsMeant) {

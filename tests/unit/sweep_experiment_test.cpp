@@ -41,6 +41,16 @@ TEST(Experiment, StartsWhereItIsTold) {
   EXPECT_NE(lean.line(1).find(",0.35"), std::string::npos) << lean.line(1);
 }
 
+TEST(Experiment, TellsTheSameOfARunWhateverItDidBefore) {
+  const Bench bench{.rig = "double_brennan", .overrides = {}, .duration = 0.1};
+  const std::vector<std::string> vary{"start.thx=0.1,0.3", "structure.mass_kg=6,5"};
+  const Experiment used = experiment(bench, vary);
+  for (const std::int64_t run : {0, 1, 2, 3, 2, 0}) {
+    EXPECT_EQ(used.line(run), experiment(bench, vary).line(run)) << run;
+  }
+  EXPECT_NE(used.line(0).substr(8), used.line(1).substr(8));
+}
+
 /// A gyroscope has no tilt to tell.
 TEST(Experiment, LeavesEmptyWhatAMachineHasNot) {
   const Experiment nods = experiment({.rig = "simple_gyroscope", .overrides = {}, .duration = 0.1},

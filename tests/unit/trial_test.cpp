@@ -67,7 +67,8 @@ class Path : public Spectator {
 
 class QuickSteps : public testing::TestWithParam<std::pair<const char*, double>> {};
 
-/// In closed loop, in contact too. @param largest error in a second of a rig pushed off by 0.02 rad
+/// In closed loop, in contact too: a second from a tilt of 0.02 rad. With each rig its largest
+/// error, measured [rad].
 TEST_P(QuickSteps, AreOffByLittle) {
   const auto [name, measured] = GetParam();
   const Rig rig = load_rig(name);
