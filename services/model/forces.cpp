@@ -142,8 +142,7 @@ double load_cell_force(const Machine& machine, const Motion& motion, const Input
 template <class S>
 CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
                             const StateOf<S>& state, const Input& input) noexcept {
-  CoordinatesOf<S> Q = CoordinatesOf<S>::Zero();
-  for (int i = 0; i < machine.coordinates(); ++i) Q[i] = -machine.damping[i] * state.v[i];
+  CoordinatesOf<S> Q = -machine.damping.cwiseProduct(state.v);
   for (const Stop& stop : machine.stops) {
     Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
   }
