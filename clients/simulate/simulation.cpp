@@ -155,6 +155,7 @@ class LoopOde : public Ode {
 
   /// @return whether the input was made for this instant
   bool act(double t, const model::State& state, const double* z, double* dz) noexcept {
+    if (scenario_.sampled && !scenario_.external.value) return false;
     // A hair inside the piece: a formula that jumps at its end has not jumped yet.
     const double inside = within_ + (origin_ + t - within_) * (1.0 - kInside);
     const Instant now{inside, within_, state};
@@ -165,7 +166,7 @@ class LoopOde : public Ode {
     }
     if (law_) ask_law(state, z, dz);
     if (!scenario_.sampled && scenario_.torque) input_.drive = scenario_.torque->value(now);
-    return scenario_.external.value || !scenario_.sampled;
+    return true;
   }
 
   void ask_law(const model::State& state, const double* z, double* dz) noexcept {

@@ -17,6 +17,15 @@ void copy_few(int n, const double* from, double* to) noexcept {
   model::as_constant<largest>(n, [&](auto count) { std::copy_n(from, +count, to); });
 }
 
+/// A state's parts, or their rates.
+void put(const model::Machine& machine, const model::Coordinates& q, const model::Coordinates& v,
+         const model::RotorSpeeds& rotors, double* y) noexcept {
+  const int n = machine.coordinates();
+  copy_few<model::kMaxCoordinates>(n, q.data(), y);
+  copy_few<model::kMaxCoordinates>(n, v.data(), y + n);
+  if (machine.rotor_drive) copy_few<model::kMaxRotors>(machine.rotors, rotors.data(), y + 2 * n);
+}
+
 }  // namespace
 
 int packed_size(const model::Machine& machine) noexcept {
@@ -24,12 +33,7 @@ int packed_size(const model::Machine& machine) noexcept {
 }
 
 void pack(const model::Machine& machine, const model::State& state, double* y) noexcept {
-  copy_few<model::kMaxCoordinates>(machine.coordinates(), state.q.data(), y);
-  copy_few<model::kMaxCoordinates>(machine.coordinates(), state.v.data(),
-                                   y + machine.coordinates());
-  if (!machine.rotor_drive) return;
-  copy_few<model::kMaxRotors>(machine.rotors, state.rotor_speed.data(),
-                              y + 2 * machine.coordinates());
+  put(machine, state.q, state.v, state.rotor_speed, y);
 }
 
 model::State unpack(const model::Machine& machine, const double* y,
@@ -48,7 +52,7 @@ model::State unpack(const model::Machine& machine, const double* y,
 void packed_rates(const model::Machine& machine, const model::State& state,
                   const model::Input& input, double* dy) noexcept {
   const model::RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
-  pack(machine, {state.v, machine.acceleration(state, input, rotor_rate), rotor_rate}, dy);
+  put(machine, state.v, machine.acceleration(state, input, rotor_rate), rotor_rate, dy);
 }
 
 void MachineOde::rates(double, const double* y, double* dy) noexcept {

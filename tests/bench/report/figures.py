@@ -123,8 +123,8 @@ FIGURES = (
     Figure(
         "rigs", "Closed loops in real time on this machine",
         "So many rigs at once, each with an integrator and a controller of its own at 1 kHz, all "
-        "signed. Held: none stopped safely, and at most 0.5 % of the ticks were skipped; a "
-        "shared machine pauses a single rig for 0.1 %.",
+        "signed. Held: none stopped safely, and at most 0.5 % of the ticks were skipped beyond what "
+        "a single rig skips, which a shared machine pauses too.",
         goals=(Goal("held", 15, at_least=True, case=""),
                Goal("cost_growth", 1.25, case="", why="cost is linear in rigs")),
         plots=(Growth("cpu", "rigs", "proportional"), Growth("skipped", "rigs"),
