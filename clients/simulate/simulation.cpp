@@ -207,8 +207,7 @@ class Run {
     if (!scenario.sampled && scenario.stepping.kind == StepPolicy::Kind::kQuick) {
       throw Error(
           "quick steps go to the end of a tick at once and may miss what comes in between: they "
-          "need "
-          "sampled feedback; take the adaptive stepper");
+          "need sampled feedback; add --feedback sampled, or take --stepper adaptive");
     }
     if (scenario.sampled) {
       sampled_.emplace(rig, machine, scenario);

@@ -222,12 +222,14 @@ std::string footer() {
          "that have ended but wait for one before them.\n"
          "Exit code 0: all runs are done; 1: not all; 2: asked wrongly.\n"
          "Examples:\n"
-         "  gyrotwin sweep --vary start.thx=-0.4:0.4:41 --vary start.thx_dot=-3:3:41\n"
+         "  gyrotwin sweep --vary start.thx=-0.4:0.4:41 --vary start.thx_dot=-3:3:41 --output map\n"
          "  gyrotwin sweep --vary 'structure.mass_kg=*normal(1,0.05)' \\\n"
-         "                 --vary 'gyros.rotor_speed_rad_s=*uniform(0.8,1.1)' --runs 1000\n"
+         "                 --vary 'gyros.rotor_speed_rad_s=*uniform(0.8,1.1)' --runs 1000 \\\n"
+         "                 --output built\n"
          "  gyrotwin sweep --scenario gust --vary event1.roll_nm=100:500:5 \\\n"
-         "                 --vary 'event1.seed=seed()' --runs 100\n"
-         "  mpirun -n 9 gyrotwin sweep --vary controller.disc_speed_rad_s=1:9:33";
+         "                 --vary 'event1.seed=seed()' --runs 100 --output gust\n"
+         "  mpirun -n 9 gyrotwin sweep --vary controller.disc_speed_rad_s=1:9:33 --output speeds\n"
+         "mpirun takes no more than its hosts' slots, unless told --oversubscribe.";
 }
 
 }  // namespace
