@@ -74,8 +74,8 @@ void add_plant(CLI::App& app, Options& options) {
   word(
       "--feedback", options.feedback,
       "sampled: torques once a tick, held over it, with fixed steps the same bits as a live system "
-      "in lockstep; "
-      "continuous: at every instant. Default: sampled with a law, a scenario or an estimate",
+      "in lockstep; continuous: at every instant. Default: sampled with a law, a scenario or an "
+      "estimate",
       {"sampled", "continuous"}, "Time");
   word("--stepper", options.stepper,
        std::string(kStepperHelp) +

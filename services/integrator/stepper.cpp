@@ -19,8 +19,7 @@ constexpr double kAbsolute = 0.01 * StepPolicy::kExact;  // for entries around 0
 constexpr long kMaxSteps = 1'000'000;
 // A jump of the right-hand side is met by making the step a billionth: not in the usual 7 tries.
 constexpr int kMaxErrorTestFailures = 100;
-constexpr int kQuickStride =
-    4;  // equations of up to 4, 8, 12 ... entries have a quick stepper each
+constexpr int kQuickStride = 4;  // a quick stepper each for up to 4, 8, 12 ... entries
 
 int right_hand_side(realtype t, N_Vector y, N_Vector dy, void* context) {
   static_cast<Ode*>(context)->rates(t, N_VGetArrayPointer(y), N_VGetArrayPointer(dy));
@@ -60,7 +59,8 @@ class Stepper::Solver {
 
 class Stepper::Sundials : public Stepper::Solver {
  public:
-  Sundials(Ode& ode, const StepPolicy& policy) : policy_(policy) {
+  // Delegates, so that what throws half-way is destroyed.
+  Sundials(Ode& ode, const StepPolicy& policy) : Sundials(policy) {
     require(SUNContext_Create(nullptr, &context_) == 0, "SUNContext_Create");
     y_ = N_VNew_Serial(ode.size(), context_);
     require(y_ != nullptr, "N_VNew_Serial");
@@ -113,6 +113,7 @@ class Stepper::Sundials : public Stepper::Solver {
   std::int64_t evaluations() const noexcept override { return evaluations_; }
 
  private:
+  explicit Sundials(const StepPolicy& policy) : policy_(policy) {}
   bool adaptive() const { return policy_.kind == StepPolicy::Kind::kAdaptive; }
 
   SUNContext context_ = nullptr;

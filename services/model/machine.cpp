@@ -164,9 +164,8 @@ InertialReading Machine::inertial(const State& state, const Input& input,
 }
 
 double Machine::drive_rate(int drive, const State& state) const noexcept {
-  if (drives[drive].kind == Drive::Kind::kGimbal) return state.v[drives[drive].coordinate];
   Motion motion;
-  evaluate(*this, state, motion);
+  if (drives[drive].kind == Drive::Kind::kDisc) evaluate(*this, state, motion);
   return rate_of(*this, motion, drives[drive], state);
 }
 
