@@ -4,7 +4,7 @@ import {MessageReader} from '@foxglove/rosmsg2-serialization';
 
 import {Ring} from './charts/ring_buffer';
 import {type Channel, Connection, type Data, type Parameter, type ServerMessage, type Value} from './foxglove';
-import {ClockDifference, Heard, type Happening, type Recording, type Tone} from './heard';
+import {ClockDifference, Happenings, Heard, type Recording, type Tone} from './heard';
 import {Layout, Numbers} from './layout';
 import {
   FALLS, type Forecast, type Health, type Link, MODES, type Reply, type State, type Status, type Topic, type Topics,
@@ -13,11 +13,10 @@ import {
 import {Writer, type Request} from './requests';
 import {Rig, degrees} from './rig';
 
-export type {Happening, Recording, Tone} from './heard';
+export type {Recording, Tone} from './heard';
 
 export const KEPT = 60;  // [s]
 const FASTEST = 1100;    // messages a second that a ring has room for
-const MOST_EVENTS = 200;
 const PATIENCE = 2500;   // for the owner's answer [ms]
 export const STALE = 1;  // [s]
 
@@ -42,8 +41,7 @@ export class Live {
   readonly status = new Map<Topic, Heard<Status>>();
   recording: Recording = {on: false};
   lost = 0;  // STATE that never came to this page
-  readonly happenings: Happening[] = [];
-  happened = 0;  // so far
+  readonly happenings = new Happenings();
 
   // Tilt x y, tilt rate x y [deg, deg/s], disc rate [rad/s], gimbals [deg] x 4, torques [N m] x 2, rotors [%] x 4.
   readonly states = new Ring(KEPT * FASTEST, 15);
@@ -86,11 +84,7 @@ export class Live {
   get mode(): number | null { return this.owner ? this.owner.value.mode : null; }
   get stale(): boolean { return !this.connected || this.age(this.state) > STALE; }
 
-  happen(tone: Tone, who: string, text: string): void {
-    this.happenings.unshift({at: new Date(), tone, who, text});
-    this.happenings.length = Math.min(this.happenings.length, MOST_EVENTS);
-    this.happened += 1;
-  }
+  happen(tone: Tone, who: string, text: string): void { this.happenings.add(tone, who, text); }
 
   /** Asks the owner for something. @param what in words, for the list of what happened */
   ask(request: Request, what: string): void {
