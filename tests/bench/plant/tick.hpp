@@ -33,8 +33,8 @@ std::unique_ptr<Ticker> mujoco_projected_ticker(const Rig& rig, int steps_per_ms
 /// The rigs whose ticks are measured.
 const std::vector<std::string>& tick_rigs();
 
-/// Prints what everybody's steps are off by after the scenario, each against its own reference,
-/// then times single ticks, in turns, for so long [s]; prints p50, p99, max.
+/// Prints what everybody's steps are off by at most, each against its own reference, then times
+/// single ticks, in turns, for so long [s]; prints p50, p99, max.
 void measure_ticks(const std::string& rig, double seconds);
 
 }  // namespace gyrotwin::bench
