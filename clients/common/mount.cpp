@@ -38,6 +38,11 @@ Rig with_mount(Rig rig, model::Mount mount) {
   return rig;
 }
 
+bool held_level(const Rig& rig) {
+  const auto* umbrella = std::get_if<model::UmbrellaParameters>(&rig.machine);
+  return umbrella != nullptr && umbrella->mount == model::Mount::kLevel;
+}
+
 void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track) {
   if (mount.empty() && track.empty()) return;
   const Rig rig = load_rig(rig_options.name(), rig_options.overrides());

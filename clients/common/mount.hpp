@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "services/model/umbrella.hpp"
 #include "services/runtime/cli.hpp"
@@ -12,6 +13,13 @@ namespace gyrotwin {
 /// what can be seen of it, so that the disc starts as it sat.
 /// @pre an umbrella platform
 Rig with_mount(Rig rig, model::Mount mount);
+
+/// An umbrella platform on mount `level`.
+bool held_level(const Rig& rig);
+
+/// What that leaves out, the beginning of a sentence.
+inline constexpr std::string_view kHeldLevel =
+    "mount level is an idealisation: something outside held the disc level";
 
 /// Overrides the rig's mount and track where they are not empty, as with_mount() does.
 /// @throws Error when the rig is wrong or no umbrella platform

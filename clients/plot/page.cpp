@@ -27,6 +27,7 @@ h2{font-size:19px;margin:36px 0 10px}
 p{max-width:78ch}
 .verdict{background:var(--card);border:1px solid var(--line);border-left:8px solid var(--soft);
 border-radius:8px;padding:16px 20px}
+.verdict+.verdict{margin-top:10px}
 .verdict b{display:block;font-size:21px;line-height:1.35}
 .verdict.good{border-left-color:var(--good)}.verdict.good b{color:var(--good)}
 .verdict.doubt{border-left-color:var(--doubt)}.verdict.doubt b{color:var(--doubt)}
@@ -40,7 +41,7 @@ table{border-collapse:collapse;width:100%;font-size:14.5px}
 th,td{text-align:left;padding:6px 12px;border-bottom:1px solid var(--line);vertical-align:top}
 th{color:var(--soft);font-weight:600;white-space:nowrap}
 tr:last-child td{border-bottom:0}
-td.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+.n{text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 tr.good td:first-child{color:var(--good);font-weight:600}
 tr.doubt td:first-child{color:var(--doubt);font-weight:600}
 tr.bad td:first-child{color:var(--bad);font-weight:600}
@@ -59,6 +60,15 @@ bool number(const std::string& cell) {
   const bool digits =
       std::any_of(cell.begin(), cell.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
   return digits && cell.find_first_not_of("0123456789+-.eE%x, ") == std::string::npos;
+}
+
+/// Whether more of a column's cells are numbers than words.
+bool numeric(const std::vector<std::vector<std::string>>& rows, std::size_t column) {
+  int more = 0;
+  for (const auto& row : rows) {
+    if (column < row.size() && !row[column].empty()) more += number(row[column]) ? 1 : -1;
+  }
+  return more > 0;
 }
 
 /// Escaped, and what stands between `backticks` as code; one without a partner stays.
@@ -108,12 +118,16 @@ void Page::table(const std::vector<std::string>& header,
                  const std::vector<Tone>& tones) {
   end_figures();
   body_ += "<div class='scroll'><table>\n<thead><tr>";
-  for (const std::string& cell : header) body_ += fmt::format("<th>{}</th>", escaped(cell));
+  std::vector<const char*> classes;
+  for (std::size_t column = 0; column < header.size(); ++column) {
+    classes.push_back(numeric(rows, column) ? " class='n'" : "");
+    body_ += fmt::format("<th{}>{}</th>", classes.back(), escaped(header[column]));
+  }
   body_ += "</tr></thead>\n<tbody>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     body_ += fmt::format("<tr class='{}'>", i < tones.size() ? class_of(tones[i]) : "");
-    for (const std::string& cell : rows[i]) {
-      body_ += fmt::format("<td{}>{}</td>", number(cell) ? " class='n'" : "", escaped(cell));
+    for (std::size_t column = 0; column < rows[i].size(); ++column) {
+      body_ += fmt::format("<td{}>{}</td>", classes[column], escaped(rows[i][column]));
     }
     body_ += "</tr>\n";
   }

@@ -22,7 +22,7 @@ class Page {
   void verdict(Tone tone, const std::string& sentence, const std::string& reason);
   void heading(const std::string& text);
   void paragraph(const std::string& text);
-  /// A table; cells that are numbers stand to the right.
+  /// A table; columns of numbers stand to the right, headings too. @pre no row longer than header
   /// @param tones of the rows; empty: all plain
   void table(const std::vector<std::string>& header,
              const std::vector<std::vector<std::string>>& rows,

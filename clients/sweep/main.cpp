@@ -12,6 +12,7 @@
 
 #include "clients/common/file_text.hpp"
 #include "clients/common/interrupt.hpp"
+#include "clients/common/mount.hpp"
 #include "clients/common/time_text.hpp"
 #include "clients/common/variation.hpp"
 #include "clients/simulate/stepper_word.hpp"
@@ -142,6 +143,14 @@ class Progress {
   bool shown_ = false;
 };
 
+std::string caution_for(const Rig& rig) {
+  if (!held_level(rig)) return "";
+  return fmt::format(
+      "{}. `gyrotwin analyze` says with what moment, and what becomes of the rig without; `--mount "
+      "universal_joint` sweeps it without.",
+      kHeldLevel);
+}
+
 /// @return how many stand, in words
 std::string write_summary(const std::filesystem::path& folder, const Experiment& experiment,
                           const Rig& rig, const Options& options) {
@@ -151,6 +160,7 @@ std::string write_summary(const std::filesystem::path& folder, const Experiment&
       .about = fmt::format(
           "{} over {:g} s{}, seed {}", fmt::join(options.vary, "  "), options.duration,
           options.scenario.empty() ? "" : ", with scenario " + options.scenario, options.seed),
+      .caution = caution_for(rig),
       .fall_tilt = rig.safety.fall_tilt_rad,
       .repeat =
           [&](std::size_t run) {

@@ -17,7 +17,7 @@ struct Proportion {
 Proportion proportion(std::int64_t hits, std::int64_t tries);
 
 /// Spearman's rank correlation: +1 when y always rises with x, whatever the curve; ties get their
-/// mean rank. 0 when either is constant.
+/// mean rank. Not finite, there is none, when either is constant.
 /// @pre both as long
 double rank_correlation(std::span<const double> x, std::span<const double> y);
 

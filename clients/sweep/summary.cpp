@@ -84,24 +84,31 @@ std::string mean_where(const Factor& factor, const Results& results, const Choic
   return fmt::format("{:.4g}", rounding ? 0.0 : mean);
 }
 
+std::string correlation(double value) {
+  return std::isfinite(value) ? fmt::format("{:+.2f}", value) : "";
+}
+
 void add_sensitivities(const Results& results, Page& page) {
+  const std::vector<const Factor*> factors = by_influence(results);
+  if (factors.empty()) return;
   Rows rows;
-  for (const Factor* factor : by_influence(results)) {
+  for (const Factor* factor : factors) {
     const auto [low, high] = std::ranges::minmax(factor->numbers);
     const Influence seen = influence(*factor, results);
     rows.push_back({seen.by_size ? "|" + factor->key + "|" : factor->key,
                     fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
                     mean_where(*factor, results, [&](std::size_t i) { return results.stands(i); }),
                     mean_where(*factor, results, [&](std::size_t i) { return !results.stands(i); }),
-                    fmt::format("{:+.2f}", seen.standing), fmt::format("{:+.2f}", seen.tilt)});
+                    correlation(seen.standing), correlation(seen.tilt)});
   }
-  if (rows.empty()) return;
   page.heading("What it hangs on");
   page.paragraph(
-      "Rank correlations: +1 where a larger value always goes with standing or with more tilt, -1 "
-      "where it always goes against it, near 0 where it does not matter or matters both ways; "
-      "|key|: of its size, where that tells "
-      "more.");
+      influence(*factors.front(), results).matters()
+          ? "Rank correlations: +1 where a larger value always goes with standing or with more "
+            "tilt, -1 where it always goes against it, near 0 where it does not matter or matters "
+            "both ways, empty where all runs are alike; |key|: of its size, where that tells more."
+          : "Nothing that was varied is seen to matter: its rank correlations with standing and "
+            "with more tilt are 0, or empty where all runs are alike.");
   page.table(
       {"key", "from", "to", "mean, stands", "mean, does not", "with standing", "with largest tilt"},
       rows);
@@ -189,6 +196,7 @@ std::string summary_html(const Results& results, const SummaryText& text) {
                standing_sentence(results, text),
                sampled(results) ? "The interval is that of the share among all such rigs."
                                 : "Every run is one choice of the values below.");
+  if (!text.caution.empty()) page.verdict(Tone::kDoubtful, "But", text.caution);
   page.heading("How the runs end");
   add_verdicts(results, page);
   page.heading("Where it stands");

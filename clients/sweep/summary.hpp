@@ -12,6 +12,7 @@ namespace gyrotwin {
 struct SummaryText {
   std::string title;                                    ///< "prototype_b in 400 runs"
   std::string about;                                    ///< what was swept, one line
+  std::string caution;                                  ///< what the runs leave out; empty: nothing
   double fall_tilt;                                     ///< of the rig as it is [rad]
   std::function<std::string(std::size_t run)> repeat;   ///< command that does a run again
   std::function<std::string(std::size_t run)> refusal;  ///< why there is no such rig

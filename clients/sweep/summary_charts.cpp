@@ -179,7 +179,9 @@ CaptionedSvg scatter(const Factor& across, const Factor& up, const Results& resu
   chart.curves = points(across, results, runs, [&](std::size_t i) { return up.numbers[i]; });
   return {svg(chart),
           fmt::format(
-              "The two drawn values that matter most{}.",
+              "{}{}.",
+              influence(across, results).matters() ? "The two drawn values that matter most"
+                                                   : "Two drawn values; none is seen to matter",
               results.runs() > kMostPoints ? fmt::format(", the first {} runs", kMostPoints) : "")};
 }
 
@@ -226,11 +228,11 @@ Influence correlations(const Factor& factor, const Results& results) {
   return {rank_correlation(x, stands), rank_correlation(tilted, tilt)};
 }
 
-double strength(const Influence& seen) {
-  return std::max(std::abs(seen.standing), std::abs(seen.tilt));
-}
-
 }  // namespace
+
+double Influence::strength() const {
+  return std::fmax(0.0, std::fmax(std::abs(standing), std::abs(tilt)));
+}
 
 Influence influence(const Factor& factor, const Results& results) {
   const Influence plain = correlations(factor, results);
@@ -238,14 +240,14 @@ Influence influence(const Factor& factor, const Results& results) {
   for (double& x : sizes.numbers) x = std::abs(x);
   Influence by_size = correlations(sizes, results);
   by_size.by_size = true;
-  return strength(by_size) > 1.5 * strength(plain) ? by_size : plain;
+  return by_size.strength() > 1.5 * plain.strength() ? by_size : plain;
 }
 
 std::vector<const Factor*> by_influence(const Results& results) {
   std::vector<std::pair<double, const Factor*>> known;
   for (const Factor& factor : results.factors) {
     if (!factor.quantity || factor.levels().size() < 2) continue;
-    known.emplace_back(strength(influence(factor, results)), &factor);
+    known.emplace_back(influence(factor, results).strength(), &factor);
   }
   std::ranges::stable_sort(known, std::greater<>{}, [](const auto& entry) { return entry.first; });
   std::vector<const Factor*> order;

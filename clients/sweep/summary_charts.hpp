@@ -12,11 +12,17 @@ struct CaptionedSvg {
   std::string svg, caption;
 };
 
-/// How a factor goes with what becomes of the runs: rank correlations.
+/// How a factor goes with what becomes of the runs: rank correlations, not finite where there is
+/// none.
 struct Influence {
   double standing = 0.0;  ///< with standing (1) or not (0)
   double tilt = 0.0;      ///< with the largest tilt
   bool by_size = false;   ///< of the factor's magnitude, which tells more than its sign
+
+  /// The larger magnitude; 0: nothing can be told.
+  double strength() const;
+  /// It does not read as 0.00.
+  bool matters() const { return strength() >= 0.005; }
 };
 Influence influence(const Factor& factor, const Results& results);
 

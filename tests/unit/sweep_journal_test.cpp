@@ -258,8 +258,8 @@ TEST(SweepResults, SayHowSureTheyAreOfWhatWasDrawn) {
            (run < 8 ? ",stands,," : ",falls,1,") + "0.1\n";
   }
   const Results drawn = read_results(csv, {parse_variable("a.b=uniform(0,1)")});
-  const SummaryText text{"title", "about", 0.7, [](std::size_t) { return ""; },
-                         [](std::size_t) { return ""; }};
+  const SummaryText text{
+      "title", "about", "", 0.7, [](std::size_t) { return ""; }, [](std::size_t) { return ""; }};
   EXPECT_EQ(standing_sentence(drawn, text),
             "8 of 10 runs stand: 80 %, with 95 % confidence 49 to 94.3 %");
   const Results listed = read_results(csv, {parse_variable("a.b=0:0.9:10")});
@@ -282,6 +282,30 @@ TEST(SweepResults, KnowTheInfluenceOfASize) {
   EXPECT_LT(seen.standing, -0.8);
 }
 
+TEST(SweepResults, ClaimNothingWhereAllRunsAreAlike) {
+  const auto page_of = [](const char* last_tilt) {
+    const std::string csv =
+        "run,a.b,c.d,verdict,fell_at_s,largest_tilt_rad\n"
+        "0,0.1,0.5,stands,,0.2\n"
+        "1,0.2,0.6,stands,,0.2\n"
+        "2,0.3,0.4,stands,," +
+        std::string(last_tilt) + "\n";
+    const Results results =
+        read_results(csv, {parse_variable("a.b=uniform(0,1)"), parse_variable("c.d=uniform(0,1)")});
+    const SummaryText text{
+        "title", "about", "", 0.7, [](std::size_t) { return ""; }, [](std::size_t) { return ""; }};
+    return summary_html(results, text);
+  };
+  const std::string alike = page_of("0.2"), differing = page_of("0.3");
+  for (const char* claim : {"matter most", "+0.00"}) {
+    EXPECT_EQ(alike.find(claim), std::string::npos) << claim;
+  }
+  EXPECT_NE(alike.find("none is seen to matter"), std::string::npos);
+  EXPECT_NE(alike.find("Nothing that was varied is seen to matter"), std::string::npos);
+  EXPECT_NE(differing.find("The two drawn values that matter most"), std::string::npos);
+  EXPECT_EQ(differing.find("Nothing that was varied"), std::string::npos);
+}
+
 TEST(SweepResults, AreReadBackAndCounted) {
   const std::string csv =
       "run,a.b,c.d,verdict,fell_at_s,largest_tilt_rad\n"
@@ -294,15 +318,19 @@ TEST(SweepResults, AreReadBackAndCounted) {
   ASSERT_EQ(results.runs(), 5u);
   EXPECT_EQ(results.factors[0].levels(), (std::vector<double>{1, 2}));
   EXPECT_TRUE(results.factors[1].numbers.empty());
-  const SummaryText text{"a <rig>", "about", 0.7,
+  const SummaryText text{"a <rig>",
+                         "about",
+                         "but mind",
+                         0.7,
                          [](std::size_t run) { return "again " + std::to_string(run); },
                          [](std::size_t run) { return "because `x` is " + std::to_string(run); }};
   EXPECT_EQ(standing_sentence(results, text),
             "1 of 4 runs stand: 25 %; 1 not fallen, but still tilting further; 1 leaning on gimbal "
             "stops; 1 more of 5 is no rig: because `x` is 2");
   const std::string page = summary_html(results, text);
-  for (const char* part : {"a &lt;rig&gt;", "again 1", "again 3", "because <code>x</code> is 2",
-                           "25 %", "By c.d", "</html>"}) {
+  for (const char* part :
+       {"a &lt;rig&gt;", "again 1", "again 3", "because <code>x</code> is 2", "25 %", "By c.d",
+        "but mind", "<th>which</th><th class='n'>run</th>", "</html>"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(page, summary_html(results, text));
