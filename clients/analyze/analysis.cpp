@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <functional>
-#include <variant>
 
 #include "clients/analyze/reasons.hpp"
 #include "clients/common/mount.hpp"
@@ -12,10 +11,6 @@
 namespace gyrotwin {
 
 namespace {
-
-const model::UmbrellaParameters* umbrella_of(const Rig& rig) {
-  return std::get_if<model::UmbrellaParameters>(&rig.machine);
-}
 
 std::string law_words(const Rig& rig) {
   return rig.controller.law == LawKind::kNone
@@ -30,8 +25,7 @@ std::vector<std::function<Case()>> cases_for(const Rig& rig, double duration) {
     cases.push_back(
         [=] { return run_case(left_alone(rig), "left_alone", "drives left alone", duration); });
   }
-  const auto* umbrella = umbrella_of(rig);
-  if (umbrella != nullptr && umbrella->mount == model::Mount::kLevel) {
+  if (held_level(rig)) {
     cases.push_back([=] {
       return run_case(with_mount(rig, model::Mount::kUniversalJoint), "disc_free",
                       law_words(rig) + ", its disc free on a universal joint", duration);
@@ -41,15 +35,13 @@ std::vector<std::function<Case()>> cases_for(const Rig& rig, double duration) {
 }
 
 std::string caution_for(const Rig& rig, const Analysis& analysis) {
-  const auto* umbrella = umbrella_of(rig);
-  if (umbrella == nullptr || umbrella->mount != model::Mount::kLevel) return "";
+  if (!held_level(rig)) return "";
   const Case& filed = analysis.as_filed();
   const Trial& trial = filed.pushed ? *filed.pushed : filed.undisturbed;
-  return fmt::format(
-      "mount level is an idealisation: something outside held the disc level with up to {:.3g} "
-      "N m{}. With nothing outside it {}.",
-      trial.largest_holding_moment, filed.pushed ? " while it was pushed" : "",
-      analysis.cases.back().sentence);
+  const Case& free = analysis.cases.back();
+  return fmt::format("{} with up to {:.3g} N m{}. With nothing outside it {}{}.", kHeldLevel,
+                     trial.largest_holding_moment, filed.pushed ? " while it was pushed" : "",
+                     free.sentence, filed.pushed && !free.pushed ? ", even without a push" : "");
 }
 
 }  // namespace

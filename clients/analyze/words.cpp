@@ -25,7 +25,7 @@ std::string factor(double margin) {
 
 std::string told(const Case& seen) {
   std::string text = fmt::format("  {}\n    {}\n", seen.name, seen.sentence);
-  if (seen.pushed) text += fmt::format("    with its reference push: {}\n", push_words(seen));
+  if (seen.pushed) text += fmt::format("    with its reference push {}\n", push_words(seen));
   if (!seen.linear) return text + "    no steady motion to linearise about\n";
   const Modes& modes = seen.linear->modes;
   text += "    eigenvalues [1/s]: " + listed_rates(modes.eigenvalues) + "\n";
@@ -226,25 +226,27 @@ std::vector<std::string> cautions(const LinearModel& linear) {
 
 std::string push_words(const Case& seen) {
   if (!seen.pushed) return "";
-  std::string text;
+  const Outcome& outcome = seen.pushed->outcome;
+  const double later = outcome.verdict.fell_at().value_or(outcome.t) - seen.push_at;
+  std::string text = fmt::format("at {:.3g} s: {:.3g} s later it ", seen.push_at, later);
   switch (fate_of(*seen.pushed, growth_of(seen))) {
     case Fate::kStands:
-      text = "stands";
+      text += "stands";
       break;
     case Fate::kGrows:
-      text = "stands so far, and growing";
+      text += "stands so far, and growing";
       break;
     case Fate::kLeans:
-      text = seen.pushed->outcome.verdict.leaning_text();
+      text += outcome.verdict.leaning_text();
       break;
     case Fate::kFalls:
-      text = "falls";
+      text += "falls";
       break;
   }
-  if (seen.pushed->outcome.verdict.has_tilt()) {
+  if (outcome.verdict.has_tilt()) {
     text += fmt::format(", tilt at most {:.3g} deg", degrees(seen.pushed->largest_tilt));
   }
-  return text + fmt::format(" (at {:.3g} s)", seen.push_at);
+  return text;
 }
 
 std::string listed_rates(const Eigen::VectorXcd& eigenvalues) {

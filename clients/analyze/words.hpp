@@ -16,8 +16,8 @@ std::string text_of(const Rig& rig, const Analysis& analysis);
 /// finite is null.
 nlohmann::ordered_json json_of(const Rig& rig, const Analysis& analysis);
 
-/// "stands, tilt at most 4.4 deg (at 1.4 s)": what the reference push did; empty where there was
-/// none.
+/// "at 1.4 s: 20 s later it stands, tilt at most 4.4 deg": what the reference push did; empty where
+/// there was none.
 std::string push_words(const Case& seen);
 
 /// Which loads count as stood, in words. @pre there are limits

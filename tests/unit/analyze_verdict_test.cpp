@@ -6,6 +6,7 @@
 
 #include "clients/analyze/limits.hpp"
 #include "clients/analyze/reasons.hpp"
+#include "clients/analyze/words.hpp"
 #include "clients/common/tilt.hpp"
 #include "tests/support/law_rigs.hpp"
 
@@ -87,6 +88,22 @@ TEST(Judge, SeesThatTheStopsHoldIt) {
   EXPECT_TRUE(seen.sentence.starts_with("leans on its gimbal stops at 23")) << seen.sentence;
   const std::string reason = reason_for(rig, seen, theory_of(rig, seen.linear));
   EXPECT_NE(reason.find("H^2 > C U"), std::string::npos) << reason;
+}
+
+/// When it was pushed is not when it fell.
+TEST(Words, SayWhenThePushCameAndWhatWasLater) {
+  const Rig rig = reference::double_brennan();
+  const auto said = [&](double (*pushed)(double)) {
+    Case seen = judged(rig, fades, pushed, std::nullopt);
+    seen.push_at = 2.0;
+    return push_words(seen);
+  };
+  EXPECT_EQ(said(fades), "at 2 s: 8 s later it stands, tilt at most 5 deg");
+  EXPECT_EQ(said(creeps),
+            "at 2 s: 8 s later it stands so far, and growing, tilt at most 0.272 deg");
+  // exp(t) passes the fall limit of 0.7 rad, 40.1 deg, at 3.69 s.
+  EXPECT_TRUE(said(topples).starts_with("at 2 s: 1.69 s later it falls")) << said(topples);
+  EXPECT_EQ(said(nullptr), "");
 }
 
 Theory theory_with(const std::vector<Condition>& conditions) { return {{}, conditions, {}}; }
