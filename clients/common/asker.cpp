@@ -62,14 +62,14 @@ std::optional<reply_t> Asker::exchange(request_t& request) {
     Bus::decode(reception, reply);
     return reply.request_writer == writer_ && reply.request_counter == counter_;
   };
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kMostAsks; ++i) {
     bus_.send(Channel::kRequest, request, stamp);
-    if (listen(kResend, answers)) return reply;
+    if (listen(kAskAgain, answers)) return reply;
   }
   return std::nullopt;
 }
 
-std::string Asker::suspicion() const {
+std::string Asker::suspicion() {
   const BusCounters& heard = bus_.counters();
   if (heard.unauthentic > 0) {
     return fmt::format("; {} messages came that {} did not sign: both sides need the same key",

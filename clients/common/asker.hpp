@@ -17,8 +17,6 @@ namespace gyrotwin {
 class Asker {
  public:
   static constexpr std::int64_t kOwnerPatience = 2'000'000'000;  ///< for the owner's STATUS [ns]
-  static constexpr std::int64_t kResend = 200'000'000;  ///< a request without answer again [ns]
-  static constexpr int kTries = 10;                     ///< of one request
 
   /// Opens the rig's bus.
   /// @throws Error naming what is missing (key, interface, permission) and the fix
@@ -42,18 +40,15 @@ class Asker {
   template <class Done>
   bool listen(std::int64_t limit_ns, Done&& done) {
     const std::int64_t end = clock_.now_ns() + limit_ns;
-    for (;;) {
-      while (const auto reception = bus_.receive()) {
-        if (done(*reception)) return true;
-      }
-      const std::int64_t left = end - clock_.now_ns();
-      if (left <= 0) return false;
-      bus_.wait(left);
+    for (std::int64_t left = limit_ns; left > 0; left = end - clock_.now_ns()) {
+      const auto reception = bus_.receive(left);
+      if (reception && done(*reception)) return true;
     }
+    return false;
   }
 
   /// What the bus heard that speaks for a wrong key or a wrong rig; empty when nothing does.
-  std::string suspicion() const;
+  std::string suspicion();
 
  private:
   std::optional<reply_t> exchange(request_t& request);

@@ -27,26 +27,25 @@ ControllerService::ControllerService(const Rig& rig, Bus& bus, Clock& clock, Dae
       on_(on) {}
 
 void ControllerService::run() noexcept {
+  std::int64_t now = clock_.now_ns();
   while (daemon_.next_round()) {
-    const std::int64_t now = clock_.now_ns();
-    listen(now);
-    report(clock_.now_ns());
-    bus_.wait(status_due_ - clock_.now_ns());
+    const auto reception = bus_.receive(status_due_ - now);
+    now = clock_.now_ns();
+    if (reception) hear(*reception, now);
+    report(now);
   }
 }
 
-void ControllerService::listen(std::int64_t now) noexcept {
+void ControllerService::hear(const Reception& reception, std::int64_t now) noexcept {
   const Channel answered = on_ == Feedback::kTwin ? Channel::kTwinState : Channel::kState;
-  while (const auto reception = bus_.receive()) {
-    if (reception->channel == answered) {
-      state_t state;
-      Bus::decode(*reception, state);
-      on_state(state, now);
-    } else if (is_owner_status(reception->channel)) {
-      status_t status;
-      Bus::decode(*reception, status);
-      on_owner(status, now);
-    }
+  if (reception.channel == answered) {
+    state_t state;
+    Bus::decode(reception, state);
+    on_state(state, now);
+  } else if (is_owner_status(reception.channel)) {
+    status_t status;
+    Bus::decode(reception, status);
+    on_owner(status, now);
   }
 }
 

@@ -27,7 +27,7 @@ class ControllerService {
   const Law& law() const noexcept { return controller_.law(); }
 
  private:
-  void listen(std::int64_t now) noexcept;
+  void hear(const Reception& reception, std::int64_t now) noexcept;
   void on_state(const state_t& state, std::int64_t now) noexcept;
   void on_owner(const status_t& status, std::int64_t now) noexcept;
   void report(std::int64_t now) noexcept;

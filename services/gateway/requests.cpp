@@ -30,8 +30,8 @@ void Requests::send(std::int64_t now_ns) {
 }
 
 bool Requests::on_timer(std::int64_t now_ns) {
-  if (waiting_.empty() || now_ns - sent_ns_ < kResend) return true;
-  if (tries_ < kTries) {
+  if (waiting_.empty() || now_ns - sent_ns_ < kAskAgain) return true;
+  if (tries_ < kMostAsks) {
     send(now_ns);
     return true;
   }

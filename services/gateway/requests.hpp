@@ -12,8 +12,6 @@ namespace gyrotwin {
 
 class Requests {
  public:
-  static constexpr std::int64_t kResend = 200'000'000;  ///< [ns]
-  static constexpr int kTries = 5;
   static constexpr std::size_t kMost = 64;  ///< that wait for an answer
 
   /// Signs a request and sends it.

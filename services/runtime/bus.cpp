@@ -35,40 +35,30 @@ std::optional<Reception> Bus::receive() noexcept {
   while (burst_ < kLongestBurst || inbox_.holds()) {
     const auto datagram = inbox_.next();
     if (!datagram) break;
-    counters_.kernel_dropped = inbox_.dropped();
     ++burst_;
-    if (own(datagram->from)) continue;
+    if (sockets_.own(datagram->from)) continue;
     if (const auto reception = judge(datagram->bytes)) return reception;
   }
   burst_ = 0;
   return {};
 }
 
+std::optional<Reception> Bus::receive(std::int64_t timeout_ns) noexcept {
+  if (!inbox_.wait(timeout_ns)) return {};
+  return receive();
+}
+
 bool Bus::wait(std::int64_t timeout_ns) noexcept { return inbox_.wait(timeout_ns); }
 
-bool Bus::own(const sockaddr_in& from) const noexcept {
-  return from.sin_port == sockets_.own_address.sin_port &&
-         from.sin_addr.s_addr == sockets_.own_address.sin_addr.s_addr;
+const BusCounters& Bus::counters() noexcept {
+  counters_.kernel_dropped = sockets_.dropped();
+  return counters_;
 }
 
 std::optional<Reception> Bus::judge(std::span<const std::uint8_t> datagram) noexcept {
   const Parsed parsed = format_.parse(datagram);
-  switch (parsed.verdict) {
-    case Verdict::kGood:
-      return put_in_order(parsed);
-    case Verdict::kMalformed:
-      ++counters_.malformed;
-      break;
-    case Verdict::kForeign:
-      ++counters_.foreign;
-      break;
-    case Verdict::kOtherRig:
-      ++counters_.other_rig;
-      break;
-    case Verdict::kUnauthentic:
-      ++counters_.unauthentic;
-      break;
-  }
+  if (parsed.verdict == Verdict::kGood) return put_in_order(parsed);
+  counters_.count(parsed.verdict);
   return {};
 }
 

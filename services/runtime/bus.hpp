@@ -34,11 +34,7 @@ struct BusConfig {
 };
 
 /// Counts since the bus was opened; per channel by the channel's number.
-struct BusCounters {
-  std::int64_t malformed = 0;    ///< not a short LCM message, or wrong size or type for its channel
-  std::int64_t foreign = 0;      ///< other channels, fragments, LCM self-test
-  std::int64_t other_rig = 0;    ///< header.rig_id of somebody else
-  std::int64_t unauthentic = 0;  ///< signature missing or wrong
+struct BusCounters : Refusals {
   std::int64_t kernel_dropped = 0;  ///< the socket's buffer was full
   std::int64_t send_failed = 0;     ///< the kernel took no datagram
   std::array<std::int64_t, kChannelSlots> sent{}, received{}, gaps{}, repeats{}, reordered{};
@@ -77,11 +73,13 @@ class Bus {
   Bus& operator=(const Bus&) = delete;
 
   /// Next datagram that is well formed, of this rig, authentic and not older than the newest of its
-  /// sender; what is not is dropped and counted. Empty when all is taken that
-  /// waited when the socket was read last, or when 256
-  /// datagrams, or a few more, were read since the last empty result, so that a flood cannot hold
-  /// the caller.
+  /// sender; what is not is dropped and counted. Empty when nothing more waits, or when 256
+  /// datagrams were read since the last empty result, so that a flood cannot hold the caller.
   std::optional<Reception> receive() noexcept;
+
+  /// The same, but sleeps first until a datagram comes or `timeout_ns` have passed. Who takes one a
+  /// round this way asks the kernel once for each; who wants all that waits asks once more.
+  std::optional<Reception> receive(std::int64_t timeout_ns) noexcept;
 
   /// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.
   bool wait(std::int64_t timeout_ns) noexcept;
@@ -109,7 +107,8 @@ class Bus {
     message.decode(reception.payload.data(), 0, static_cast<int>(reception.payload.size()));
   }
 
-  const BusCounters& counters() const noexcept { return counters_; }
+  /// Asks the kernel what it has dropped.
+  const BusCounters& counters() noexcept;
   /// To poll after receive() was empty: what it holds wakes nobody. To be left blocking.
   int descriptor() const noexcept { return sockets_.receiver.get(); }
 
@@ -118,7 +117,6 @@ class Bus {
   std::uint8_t* begin_payload(Channel channel) noexcept;
   void sign_and_send(Channel channel) noexcept;
 
-  bool own(const sockaddr_in& from) const noexcept;
   std::optional<Reception> judge(std::span<const std::uint8_t> datagram) noexcept;
   std::optional<Reception> put_in_order(const Parsed& parsed) noexcept;
 

@@ -53,6 +53,25 @@ void check_prefix(const std::string& prefix) {
 
 }  // namespace
 
+void Refusals::count(Verdict verdict) noexcept {
+  switch (verdict) {
+    case Verdict::kGood:
+      break;
+    case Verdict::kMalformed:
+      ++malformed;
+      break;
+    case Verdict::kForeign:
+      ++foreign;
+      break;
+    case Verdict::kOtherRig:
+      ++other_rig;
+      break;
+    case Verdict::kUnauthentic:
+      ++unauthentic;
+      break;
+  }
+}
+
 bool signed_with(const Key& key, std::string_view channel,
                  std::span<const std::uint8_t> payload) noexcept {
   if (payload.size() < kMacSize) return false;

@@ -18,6 +18,17 @@ namespace gyrotwin {
 /// What a datagram turned out to be; all but kGood name the counter it falls into.
 enum class Verdict : std::uint8_t { kGood, kMalformed, kForeign, kOtherRig, kUnauthentic };
 
+/// Datagrams that were not what they should be, since the socket was opened.
+struct Refusals {
+  std::int64_t malformed = 0;    ///< not a short LCM message, or wrong size or type for its channel
+  std::int64_t foreign = 0;      ///< other channels, fragments, LCM self-test
+  std::int64_t other_rig = 0;    ///< header.rig_id of somebody else
+  std::int64_t unauthentic = 0;  ///< signature missing or wrong
+
+  /// Counts one; kGood is none.
+  void count(Verdict verdict) noexcept;
+};
+
 /// A datagram taken apart. The rest means something only when the verdict is kGood; name and
 /// payload also in a short message on a channel that is not the rig's, which is kForeign.
 struct Parsed {

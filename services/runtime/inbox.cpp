@@ -40,60 +40,31 @@ Inbox::Inbox(int descriptor) : descriptor_(descriptor) {
 }
 
 std::optional<Datagram> Inbox::next() noexcept {
-  if (taken_ == fetched_) {
-    const bool nothing_waits = emptied_;
-    emptied_ = false;
-    if (nothing_waits || !fetch(MSG_DONTWAIT)) return {};
-  }
-  const std::size_t i = taken_++;
-  note_drops(messages_[i].msg_hdr);
-  return Datagram{slots_[i].from,
-                  std::span<const std::uint8_t>(slots_[i].bytes).first(messages_[i].msg_len)};
+  if (!std::exchange(held_, false) && !fetch(MSG_DONTWAIT)) return {};
+  return Datagram{from_, std::span<const std::uint8_t>(bytes_).first(size_)};
 }
 
 bool Inbox::wait(std::int64_t timeout_ns) noexcept {
-  if (holds()) return true;
-  emptied_ = false;
+  if (held_) return true;
   std::int64_t now = monotonic_ns();
   const std::int64_t end = now + timeout_ns;
   while (end - now >= kLongestSlice) {
-    if (fetch(MSG_WAITFORONE)) return true;
+    if (fetch(0)) return held_ = true;
     if (errno != EAGAIN) return false;  // a signal
     const std::int64_t before = std::exchange(now, monotonic_ns());
     if (now - before < kSlice / 2) break;  // somebody has made the socket non-blocking
   }
-  return wait_readable(descriptor_, end - now);
+  return held_ = wait_readable(descriptor_, end - now) && fetch(MSG_DONTWAIT);
 }
 
-/// @return whether there is at least one
+/// @return whether there is one
 bool Inbox::fetch(int flags) noexcept {
-  for (std::size_t i = 0; i < kBatch; ++i) {
-    Slot& slot = slots_[i];
-    slot.buffer = {.iov_base = slot.bytes.data(), .iov_len = slot.bytes.size()};
-    messages_[i].msg_hdr = {.msg_name = &slot.from,
-                            .msg_namelen = sizeof slot.from,
-                            .msg_iov = &slot.buffer,
-                            .msg_iovlen = 1,
-                            .msg_control = slot.control.data(),
-                            .msg_controllen = slot.control.size(),
-                            .msg_flags = 0};
-  }
-  const int count = recvmmsg(descriptor_, messages_.data(), kBatch, flags, nullptr);
-  taken_ = 0;
-  fetched_ = static_cast<std::size_t>(std::max(count, 0));
-  emptied_ = count > 0 && fetched_ < kBatch;
-  return fetched_ > 0;
-}
-
-/// The kernel tells how many it has dropped with a datagram.
-void Inbox::note_drops(msghdr& message) noexcept {
-  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
-    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
-    std::uint32_t drops = 0;
-    std::memcpy(&drops, CMSG_DATA(c), sizeof drops);
-    dropped_ += drops - kernel_;
-    kernel_ = drops;
-  }
+  socklen_t from_size = sizeof from_;
+  const ssize_t size = recvfrom(descriptor_, bytes_.data(), bytes_.size(), flags,
+                                reinterpret_cast<sockaddr*>(&from_), &from_size);
+  if (size < 0) return false;
+  size_ = static_cast<std::size_t>(size);
+  return true;
 }
 
 }  // namespace gyrotwin

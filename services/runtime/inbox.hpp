@@ -1,8 +1,7 @@
-// Datagrams of a socket, fetched several at a time.
+// Datagrams of a socket, one by one, with a sleep that takes the next one along.
 #pragma once
 
 #include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <array>
 #include <cstddef>
@@ -23,8 +22,7 @@ struct Datagram {
   std::span<const std::uint8_t> bytes;
 };
 
-/// One system call sleeps, takes the first datagram and all that wait behind it: what is heard once
-/// a tick costs one a tick. Not thread-safe.
+/// Sleeping and taking what ended the sleep is one system call. Not thread-safe.
 class Inbox {
  public:
   /// @param descriptor outlives the inbox; made blocking here
@@ -33,42 +31,26 @@ class Inbox {
   Inbox(const Inbox&) = delete;
   Inbox& operator=(const Inbox&) = delete;
 
-  /// The next datagram, without waiting. Empty once when all that waited is taken.
+  /// The next datagram, without waiting. Empty when there is none.
   std::optional<Datagram> next() noexcept;
 
   /// Whether next() has one that the socket no longer has: who sleeps on the descriptor takes it
   /// first.
-  bool holds() const noexcept { return taken_ < fetched_; }
+  bool holds() const noexcept { return held_; }
 
   /// Sleeps until next() has a datagram, or `timeout_ns` have passed; less on a signal. @return
   /// whether it has one.
   bool wait(std::int64_t timeout_ns) noexcept;
 
-  /// Datagrams for which the socket's buffer had no room.
-  std::int64_t dropped() const noexcept { return dropped_; }
-
  private:
-  static constexpr std::size_t kBatch = 8;
-
-  struct Slot {
-    // One byte more than any message has, so that a longer datagram cannot pass for one.
-    std::array<std::uint8_t, kMaxDatagram + 1> bytes;
-    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(std::uint32_t))> control;
-    sockaddr_in from;
-    iovec buffer;
-  };
-
   bool fetch(int flags) noexcept;
-  void note_drops(msghdr& message) noexcept;
 
   int descriptor_;
-  std::array<Slot, kBatch> slots_{};
-  std::array<mmsghdr, kBatch> messages_{};
-  std::size_t fetched_ = 0;   // by the last system call
-  std::size_t taken_ = 0;     // of these
-  bool emptied_ = false;      // the last system call left nothing in the socket
-  std::uint32_t kernel_ = 0;  // the kernel's own count of what it dropped, which wraps
-  std::int64_t dropped_ = 0;
+  // One byte more than any message has, so that a longer datagram cannot pass for one.
+  std::array<std::uint8_t, kMaxDatagram + 1> bytes_;
+  std::size_t size_ = 0;
+  sockaddr_in from_{};
+  bool held_ = false;
 };
 
 }  // namespace gyrotwin

@@ -2,14 +2,18 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <linux/sock_diag.h>
 #include <net/if.h>
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <random>
 
 #include "services/runtime/error.hpp"
 
@@ -123,7 +127,6 @@ Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface, int buffe
   set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   // Bound to the group, unicast does not reach it; by default it would hear groups others joined.
   set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0, "IP_MULTICAST_ALL");
-  set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL");
   grow_receive_buffer(socket, buffer);
 
   const std::string port = std::to_string(ntohs(group.sin_port));
@@ -138,7 +141,29 @@ Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface, int buffe
   return socket;
 }
 
-/// Speaks from the interface's own address and a port of its own.
+bool is_loopback(in_addr address) { return ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET; }
+
+/// From where a socket on the loopback interface speaks: all of 127/8 is this host's, so the
+/// address can say the port. Nobody else's does, for the two together are given only once.
+bool bind_to_address_of_its_own(const Descriptor& socket) {
+  constexpr in_addr_t kFirstAddress = 0x7f800000;                      // 127.128.0.0
+  constexpr int kFirstPort = 49152, kLastPort = 65535, kTries = 1000;  // RFC 6335: dynamic ports
+  std::random_device random;
+  std::uniform_int_distribution<int> ports(kFirstPort, kLastPort);
+  for (int i = 0; i < kTries; ++i) {
+    const auto port = static_cast<std::uint16_t>(ports(random));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(kFirstAddress | port);
+    address.sin_port = htons(port);
+    if (bind(socket.get(), generic(address), sizeof address) == 0) return true;
+    if (errno != EADDRINUSE) return false;
+  }
+  return false;
+}
+
+/// Speaks from the interface's own address, or from one of this socket alone, and a port of its
+/// own.
 Descriptor open_sender(const ip_mreqn& interface, int ttl) {
   if (ttl < 0 || ttl > 255) {
     throw Error("network.ttl is " + std::to_string(ttl) +
@@ -152,10 +177,22 @@ Descriptor open_sender(const ip_mreqn& interface, int ttl) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr = interface.imr_address;
-  if (bind(socket.get(), generic(address), sizeof address) != 0) {
-    throw Error("no UDP port to send from: " + reason());
-  }
+  const bool bound = is_loopback(interface.imr_address)
+                         ? bind_to_address_of_its_own(socket)
+                         : bind(socket.get(), generic(address), sizeof address) == 0;
+  if (!bound) throw Error("no UDP port to send from: " + reason());
   return socket;
+}
+
+/// What a socket said itself would wake it up: half of the kernel's work in a loop. Only where
+/// nobody else has its address.
+void close_to(const Descriptor& receiver, const sockaddr_in& group, const sockaddr_in& source,
+              const ip_mreqn& interface) {
+  group_source_req request{};
+  request.gsr_interface = static_cast<std::uint32_t>(interface.imr_ifindex);
+  std::memcpy(&request.gsr_group, &group, sizeof group);
+  std::memcpy(&request.gsr_source, &source, sizeof source);
+  set_option(receiver, IPPROTO_IP, MCAST_BLOCK_SOURCE, request, "MCAST_BLOCK_SOURCE");
 }
 
 /// What a firewall or a lost route would silence must fail now. The port is nobody else's, so that
@@ -184,15 +221,29 @@ MulticastSockets open_multicast(const std::string& group, int port, const std::s
                                 int ttl, int receive_buffer) {
   const sockaddr_in address = group_address(group, port);
   const ip_mreqn device = find_interface(interface);
-  MulticastSockets sockets{.receiver = open_receiver(address, device, receive_buffer),
-                           .sender = open_sender(device, ttl),
-                           .own_address = {}};
+  MulticastSockets sockets;
+  sockets.receiver = open_receiver(address, device, receive_buffer);
+  sockets.sender = open_sender(device, ttl);
   prove(sockets.sender, address, device);
   if (connect(sockets.sender.get(), generic(address), sizeof address) != 0) {
     throw Error("network.group cannot be reached through network.interface: " + reason());
   }
   sockets.own_address = name_of_socket(sockets.sender);
+  if (is_loopback(device.imr_address)) {
+    close_to(sockets.receiver, address, sockets.own_address, device);
+  }
   return sockets;
+}
+
+std::int64_t MulticastSockets::dropped() noexcept {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof memory;
+  if (getsockopt(receiver.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0) {
+    const std::uint32_t drops = memory[SK_MEMINFO_DROPS];
+    dropped_ += drops - kernel_drops_;
+    kernel_drops_ = drops;
+  }
+  return dropped_;
 }
 
 }  // namespace gyrotwin

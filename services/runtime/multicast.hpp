@@ -3,6 +3,7 @@
 
 #include <netinet/in.h>
 
+#include <cstdint>
 #include <string>
 
 #include "services/runtime/descriptor.hpp"
@@ -14,6 +15,19 @@ struct MulticastSockets {
   Descriptor receiver;
   Descriptor sender;        ///< connected to the group
   sockaddr_in own_address;  ///< where the sender's datagrams come from
+
+  /// Whether the sender said it. On the loopback interface the receiver does not hear that.
+  bool own(const sockaddr_in& from) const noexcept {
+    return from.sin_port == own_address.sin_port &&
+           from.sin_addr.s_addr == own_address.sin_addr.s_addr;
+  }
+
+  /// Asks the kernel how many datagrams the receiver's buffer had no room for.
+  std::int64_t dropped() noexcept;
+
+ private:
+  std::uint32_t kernel_drops_ = 0;  // the kernel's own count, which wraps
+  std::int64_t dropped_ = 0;
 };
 
 /// Opens both, and sends itself one datagram on a port of its own to see that the group works.

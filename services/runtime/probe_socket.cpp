@@ -68,29 +68,11 @@ std::optional<Arrival> ProbeSocket::receive() noexcept {
     const auto size = read(arrival);
     if (!size) break;
     ++burst_;
-    const sockaddr_in& own = sockets_.own_address;
-    if (arrival.from.sin_port == own.sin_port &&
-        arrival.from.sin_addr.s_addr == own.sin_addr.s_addr) {
-      continue;
-    }
+    if (sockets_.own(arrival.from)) continue;
     const auto judged = format_.judge(std::span(incoming_).first(*size));
     arrival.probe = judged.probe;
-    switch (judged.verdict) {
-      case Verdict::kGood:
-        return arrival;
-      case Verdict::kMalformed:
-        ++counters_.malformed;
-        break;
-      case Verdict::kForeign:
-        ++counters_.foreign;
-        break;
-      case Verdict::kOtherRig:
-        ++counters_.other_rig;
-        break;
-      case Verdict::kUnauthentic:
-        ++counters_.unauthentic;
-        break;
-    }
+    if (judged.verdict == Verdict::kGood) return arrival;
+    counters_.count(judged.verdict);
   }
   burst_ = 0;
   return {};
@@ -98,6 +80,11 @@ std::optional<Arrival> ProbeSocket::receive() noexcept {
 
 bool ProbeSocket::wait(std::int64_t timeout_ns) noexcept {
   return wait_readable(sockets_.receiver.get(), timeout_ns);
+}
+
+const ProbeCounters& ProbeSocket::counters() noexcept {
+  counters_.kernel_dropped = sockets_.dropped();
+  return counters_;
 }
 
 void ProbeSocket::send(const Probe& probe) noexcept {
@@ -109,7 +96,7 @@ void ProbeSocket::send(const Probe& probe) noexcept {
 
 std::optional<std::size_t> ProbeSocket::read(Arrival& arrival) noexcept {
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(in_pktinfo)) +
-                                        2 * CMSG_SPACE(sizeof(int))>
+                                        CMSG_SPACE(sizeof(int))>
       control;
   iovec buffer{.iov_base = incoming_.data(), .iov_len = incoming_.size()};
   msghdr message{};
@@ -130,10 +117,6 @@ void ProbeSocket::take_note(msghdr& message, Arrival& arrival) noexcept {
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SCM_TIMESTAMPNS) {
       arrival.received_ns = nanoseconds(value_of<timespec>(c));
-    } else if (c->cmsg_level == SOL_SOCKET && c->cmsg_type == SO_RXQ_OVFL) {
-      const auto drops = value_of<std::uint32_t>(c);
-      counters_.kernel_dropped += drops - kernel_drops_;
-      kernel_drops_ = drops;
     } else if (c->cmsg_level == IPPROTO_IP && c->cmsg_type == IP_TTL) {
       arrival.ttl = value_of<int>(c);
     } else if (c->cmsg_level == IPPROTO_IP && c->cmsg_type == IP_PKTINFO) {

@@ -13,8 +13,7 @@
 namespace gyrotwin::netcheck {
 
 /// Counts since the socket was opened; as in BusCounters.
-struct ProbeCounters {
-  std::int64_t malformed = 0, foreign = 0, other_rig = 0, unauthentic = 0;
+struct ProbeCounters : Refusals {
   std::int64_t kernel_dropped = 0, send_failed = 0;
 };
 
@@ -49,7 +48,8 @@ class ProbeSocket {
   bool wait(std::int64_t timeout_ns) noexcept;
   void send(const Probe& probe) noexcept;
 
-  const ProbeCounters& counters() const noexcept { return counters_; }
+  /// Asks the kernel what it has dropped.
+  const ProbeCounters& counters() noexcept;
   /// The address that this end speaks from.
   const sockaddr_in& own_address() const noexcept { return sockets_.own_address; }
   /// Receive buffer that the kernel granted [bytes, as it counts them].
@@ -67,8 +67,7 @@ class ProbeSocket {
   int mtu_ = 0;
   Frame outgoing_{};
   std::array<std::uint8_t, kMaxDatagram + 1> incoming_{};
-  int burst_ = 0;                   // datagrams read since the last empty result
-  std::uint32_t kernel_drops_ = 0;  // the kernel's own count, which wraps
+  int burst_ = 0;  // datagrams read since the last empty result
   ProbeCounters counters_;
 };
 

@@ -1,6 +1,5 @@
 #include "services/runtime/tap.hpp"
 
-#include <linux/sock_diag.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -66,18 +65,12 @@ bool Tap::wait(std::int64_t timeout_ns) noexcept {
 }
 
 const BusCounters& Tap::counters() noexcept {
-  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
-  socklen_t size = sizeof memory;
-  if (getsockopt(sockets_.receiver.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0) {
-    const std::uint32_t drops = memory[SK_MEMINFO_DROPS];
-    counters_.kernel_dropped += drops - kernel_drops_;
-    kernel_drops_ = drops;
-  }
+  counters_.kernel_dropped = sockets_.dropped();
   return counters_;
 }
 
 std::optional<std::size_t> Tap::read(std::int64_t& received_us) noexcept {
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(int))> control;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control;
   iovec buffer{.iov_base = incoming_.data(), .iov_len = incoming_.size()};
   msghdr message{};
   message.msg_iov = &buffer;
@@ -92,24 +85,13 @@ std::optional<std::size_t> Tap::read(std::int64_t& received_us) noexcept {
 
 /// @return whether it is kept
 bool Tap::judge(const Parsed& parsed) noexcept {
-  switch (parsed.verdict) {
-    case Verdict::kGood:
-      put_in_order(parsed);
-      return true;
-    case Verdict::kForeign:
-      ++counters_.foreign;
-      return keep_ == Keep::kAll && !parsed.name.empty() && visible(parsed.name);
-    case Verdict::kMalformed:
-      ++counters_.malformed;
-      break;
-    case Verdict::kOtherRig:
-      ++counters_.other_rig;
-      break;
-    case Verdict::kUnauthentic:
-      ++counters_.unauthentic;
-      break;
+  if (parsed.verdict == Verdict::kGood) {
+    put_in_order(parsed);
+    return true;
   }
-  return false;
+  counters_.count(parsed.verdict);
+  return keep_ == Keep::kAll && parsed.verdict == Verdict::kForeign && !parsed.name.empty() &&
+         visible(parsed.name);
 }
 
 void Tap::put_in_order(const Parsed& parsed) noexcept {

@@ -62,8 +62,7 @@ class Tap {
   Keep keep_;
   int granted_ = 0;
   std::vector<std::uint8_t> incoming_;
-  int burst_ = 0;                   // datagrams read since the last empty result
-  std::uint32_t kernel_drops_ = 0;  // the kernel's own count, which wraps
+  int burst_ = 0;  // datagrams read since the last empty result
   std::array<SequenceOrder, kChannels.size()> order_;
   BusCounters counters_;
 };

@@ -128,7 +128,7 @@ class Bench {
     gateway_.leave(*observer_);
     require(gateway_.clients().empty());
     // The owner is forgotten, and so is what it has not answered.
-    for (int i = 0; i <= Requests::kTries + 1; ++i) {
+    for (int i = 0; i <= kMostAsks + 1; ++i) {
       now_ += 30 * kTenth;
       gateway_.on_timer(now_, wall());
     }

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "services/runtime/bus.hpp"
 #include "services/runtime/error.hpp"
@@ -35,6 +38,9 @@ void run(const std::string& command) {
 class InterfaceTest : public ::testing::Test {
  protected:
   void SetUp() override { run("ip link add lab0 type veth peer name lab1"); }
+  static void plug_in() {
+    run("ip link set lab0 up && ip link set lab1 up && ip address add 198.51.100.1/24 dev lab0");
+  }
   void TearDown() override { run("ip link delete lab0"); }
 
   static BusConfig on_lab0() {
@@ -57,7 +63,7 @@ TEST_F(InterfaceTest, SaysThatItHasNoAddress) {
 }
 
 TEST_F(InterfaceTest, OneGroupOnTwoInterfacesIsTwoNetworks) {
-  run("ip link set lab0 up && ip link set lab1 up && ip address add 198.51.100.1/24 dev lab0");
+  plug_in();
   Bus ears(on_lab0());
   Bus ears_on_lo(test_config());
   Bus mouth(on_lab0());
@@ -74,6 +80,32 @@ TEST_F(InterfaceTest, OneGroupOnTwoInterfacesIsTwoNetworks) {
   ASSERT_TRUE(local);
   EXPECT_EQ(local->channel, Channel::kControllerStatus);
   EXPECT_FALSE(ears_on_lo.receive());
+}
+
+/// All who share an interface share its address, so what a bus said comes back to it there.
+TEST_F(InterfaceTest, NobodyHearsItself) {
+  plug_in();
+  Bus ears(on_lab0());
+  Bus mouth(on_lab0());
+  status_t status{};
+  mouth.send(Channel::kIntegratorStatus, status, {.epoch = 1});
+  ASSERT_TRUE(receive_soon(ears));
+  EXPECT_TRUE(mouth.wait(10'000'000'000)) << "the kernel does hand it its own datagram";
+  EXPECT_FALSE(mouth.receive());
+  EXPECT_EQ(mouth.counters().received, decltype(BusCounters::received){});
+}
+
+TEST(BusSetup, EveryBusOnTheLoopbackInterfaceSpeaksFromItsOwnAddress) {
+  constexpr std::size_t kMany = 100;
+  std::set<std::pair<in_addr_t, in_port_t>> addresses;
+  std::vector<MulticastSockets> open;
+  for (std::size_t i = 0; i < kMany; ++i) {
+    open.push_back(open_multicast("239.255.71.201", 21'201, "lo", 0, 256 << 10));
+    const sockaddr_in& own = open.back().own_address;
+    EXPECT_EQ(ntohl(own.sin_addr.s_addr) & 0xffff, ntohs(own.sin_port));
+    addresses.insert({own.sin_addr.s_addr, own.sin_port});
+  }
+  EXPECT_EQ(addresses.size(), kMany);
 }
 
 TEST(BusSetup, NamesTheInterfaceThatIsMissing) {

@@ -56,12 +56,10 @@ class FakeOwner {
  private:
   void turn() {
     say_status();
-    bus_.wait(kSecond / 100);
-    while (const auto reception = bus_.receive()) {
-      if (reception->channel != Channel::kRequest) continue;
-      Bus::decode(*reception, requests_.emplace_back());
-      reply(requests_.back());
-    }
+    const auto reception = bus_.receive(kSecond / 100);
+    if (!reception || reception->channel != Channel::kRequest) return;
+    Bus::decode(*reception, requests_.emplace_back());
+    reply(requests_.back());
   }
 
   void say_status() {

@@ -79,8 +79,7 @@ class RawPeer {
 /// The next delivery, waited for up to ten seconds.
 inline std::optional<Reception> receive_soon(Bus& bus) {
   for (int i = 0; i < 100; ++i) {
-    if (const auto reception = bus.receive()) return reception;
-    bus.wait(kSecond / 10);
+    if (const auto reception = bus.receive(kSecond / 10)) return reception;
   }
   return {};
 }

@@ -161,7 +161,7 @@ TEST_F(AskerTest, GivesUpOnAnOwnerThatDoesNotAnswer) {
   Asker asker(rig_, clock_);
   const std::string why = not_done([&] { asker.ask(arm()); });
   EXPECT_TRUE(contains(why, "process 4711") && contains(why, "does not answer")) << why;
-  EXPECT_EQ(owner.stop().size(), static_cast<std::size_t>(Asker::kTries));
+  EXPECT_EQ(owner.stop().size(), static_cast<std::size_t>(kMostAsks));
 }
 
 TEST_F(AskerTest, NamesRigAddressAndFixWhenNoOwnerIsHeard) {

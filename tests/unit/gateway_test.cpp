@@ -164,8 +164,8 @@ TEST_F(GatewayTest, HandsRequestsOfOperatorsToTheOwner) {
   EXPECT_EQ(sent_[2].counter, 8);
 
   texts(client);
-  for (int i = 0; i < 10; ++i) gateway_.on_timer(now_ += 250 * kMs, 0);
-  EXPECT_EQ(sent_.size(), 7u);  // 5 times in all
+  for (int i = 0; i < 2 * kMostAsks; ++i) gateway_.on_timer(now_ += kAskAgain, 0);
+  EXPECT_EQ(sent_.size(), 2u + kMostAsks);
   const auto all = texts(client);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_NE(all[0]["message"].get<std::string>().find("does not answer"), std::string::npos);

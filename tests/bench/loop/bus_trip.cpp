@@ -25,10 +25,9 @@ class BusNear final : public Near {
   bool there_and_back() override {
     bus_.send(Channel::kState, state_, {.epoch = 1, .sequence = ++sequence_});
     while (command_.header.sequence != sequence_) {
-      if (!bus_.wait(kPatience)) return false;
-      while (const auto reception = bus_.receive()) {
-        if (reception->channel == Channel::kCommand) Bus::decode(*reception, command_);
-      }
+      const auto reception = bus_.receive(kPatience);
+      if (!reception) return false;
+      if (reception->channel == Channel::kCommand) Bus::decode(*reception, command_);
     }
     return true;
   }
@@ -45,12 +44,10 @@ class BusFar final : public Far {
   explicit BusFar(bool with_key) : bus_(config(with_key)) {}
 
   void answer() override {
-    bus_.wait(kPatience);
-    while (const auto reception = bus_.receive()) {
-      if (reception->channel != Channel::kState) continue;
-      Bus::decode(*reception, state_);
-      bus_.send(Channel::kCommand, command_, {.epoch = 2, .sequence = state_.header.sequence});
-    }
+    const auto reception = bus_.receive(kPatience);
+    if (!reception || reception->channel != Channel::kState) return;
+    Bus::decode(*reception, state_);
+    bus_.send(Channel::kCommand, command_, {.epoch = 2, .sequence = state_.header.sequence});
   }
 
  private:

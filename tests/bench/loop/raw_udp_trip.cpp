@@ -1,6 +1,5 @@
 // The floors: bytes of a STATE and of a COMMAND between two processes over UDP, nothing made of
-// them. Between two connected sockets, and in a multicast group, as a bus needs it, where the
-// kernel hands every datagram to its sender too.
+// them. Between two connected sockets, and in a multicast group, as a bus needs it.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
