@@ -83,7 +83,7 @@ template <>
 inline constexpr std::size_t kWireSize<forecast_t> = 176;
 
 /// Who asks sends a request again [ns] until it is answered, so often at most: where 30 % of all
-/// datagrams are lost each way, one request of a million finds no answer.
+/// datagrams are lost each way, one request of 700,000 finds no answer.
 inline constexpr std::int64_t kAskAgain = 100'000'000;
 inline constexpr int kMostAsks = 20;
 

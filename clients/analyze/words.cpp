@@ -234,7 +234,7 @@ std::string push_words(const Case& seen) {
       text += "stands";
       break;
     case Fate::kGrows:
-      text += "stands so far, and growing";
+      text += "still stands, and its motion grows";
       break;
     case Fate::kLeans:
       text += outcome.verdict.leaning_text();

@@ -44,6 +44,10 @@ class Asker {
       const auto reception = bus_.receive(left);
       if (reception && done(*reception)) return true;
     }
+    // A machine may have paused for all that time: what came meanwhile was in time.
+    while (const auto reception = bus_.receive()) {
+      if (done(*reception)) return true;
+    }
     return false;
   }
 

@@ -71,8 +71,9 @@ void serve(ProbeSocket& socket, Answerer& answerer, const Clock& clock, Stopping
   constexpr std::int64_t kLookNs = 50'000'000;
   while (!stopping()) {
     socket.wait(kLookNs);
+    const ProbeCounters& counters = socket.counters();  // the kernel is asked once a round
     while (const auto arrival = socket.receive()) {
-      auto reply = answerer.answer(*arrival, socket.counters(), clock.now_ns());
+      auto reply = answerer.answer(*arrival, counters, clock.now_ns());
       if (!reply) continue;
       if (auto* answer = std::get_if<Answer>(&*reply)) answer->sent_ns = wall_ns();
       socket.send(*reply);

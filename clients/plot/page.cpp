@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cctype>
 
 #include "clients/plot/canvas.hpp"
@@ -126,6 +127,7 @@ void Page::table(const std::vector<std::string>& header,
   body_ += "</tr></thead>\n<tbody>\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     body_ += fmt::format("<tr class='{}'>", i < tones.size() ? class_of(tones[i]) : "");
+    assert(rows[i].size() == header.size());
     for (std::size_t column = 0; column < rows[i].size(); ++column) {
       body_ += fmt::format("<td{}>{}</td>", classes[column], escaped(rows[i][column]));
     }

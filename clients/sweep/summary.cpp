@@ -108,7 +108,8 @@ void add_sensitivities(const Results& results, Page& page) {
             "tilt, -1 where it always goes against it, near 0 where it does not matter or matters "
             "both ways, empty where all runs are alike; |key|: of its size, where that tells more."
           : "Nothing that was varied is seen to matter: its rank correlations with standing and "
-            "with more tilt are 0, or empty where all runs are alike.");
+            "with more tilt are what chance alone makes of so many runs, or empty where all are "
+            "alike.");
   page.table(
       {"key", "from", "to", "mean, stands", "mean, does not", "with standing", "with largest tilt"},
       rows);

@@ -177,12 +177,14 @@ CaptionedSvg scatter(const Factor& across, const Factor& up, const Results& resu
   chart.y.label = label_of(up);
   const std::size_t runs = std::min(results.runs(), kMostPoints);
   chart.curves = points(across, results, runs, [&](std::size_t i) { return up.numbers[i]; });
-  return {svg(chart),
-          fmt::format(
-              "{}{}.",
-              influence(across, results).matters() ? "The two drawn values that matter most"
-                                                   : "Two drawn values; none is seen to matter",
-              results.runs() > kMostPoints ? fmt::format(", the first {} runs", kMostPoints) : "")};
+  return {
+      svg(chart),
+      fmt::format(
+          "{}{}.",
+          influence(up, results).matters()       ? "The two drawn values that matter most"
+          : influence(across, results).matters() ? "The drawn value that matters most, and another"
+                                                 : "Two drawn values; none is seen to matter",
+          results.runs() > kMostPoints ? fmt::format(", the first {} runs", kMostPoints) : "")};
 }
 
 /// Runs that tilt at most so far, among those that count.
@@ -225,13 +227,17 @@ Influence correlations(const Factor& factor, const Results& results) {
     tilted.push_back(factor.numbers[i]);
     tilt.push_back(results.largest_tilt[i]);
   }
-  return {rank_correlation(x, stands), rank_correlation(tilted, tilt)};
+  return {rank_correlation(x, stands), rank_correlation(tilted, tilt), x.size()};
 }
 
 }  // namespace
 
 double Influence::strength() const {
   return std::fmax(0.0, std::fmax(std::abs(standing), std::abs(tilt)));
+}
+
+bool Influence::matters() const {
+  return strength() >= std::max(0.005, 2.0 / std::sqrt(static_cast<double>(runs)));
 }
 
 Influence influence(const Factor& factor, const Results& results) {

@@ -17,12 +17,14 @@ struct CaptionedSvg {
 struct Influence {
   double standing = 0.0;  ///< with standing (1) or not (0)
   double tilt = 0.0;      ///< with the largest tilt
+  std::size_t runs = 0;   ///< that count
   bool by_size = false;   ///< of the factor's magnitude, which tells more than its sign
 
   /// The larger magnitude; 0: nothing can be told.
   double strength() const;
-  /// It does not read as 0.00.
-  bool matters() const { return strength() >= 0.005; }
+  /// Chance alone makes no more of it in 95 of 100 cases (normal approximation), and it does not
+  /// read as 0.00.
+  bool matters() const;
 };
 Influence influence(const Factor& factor, const Results& results);
 

@@ -47,6 +47,7 @@ class Loop {
             rig, options.rig_text,
             [this](request_t request, std::int64_t sequence) { ask(request, sequence); },
             [this](bool on) { return recorder_.wish(on); }),
+        // The bus's own, as report() brings them up to date.
         server_(io_, options.endpoint, {gateway_, access_, page_, recorder_, bus.counters()}),
         ear_(io_, dup(bus.descriptor())) {}
 

@@ -9,11 +9,6 @@
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
-namespace {
-
-constexpr int kLongestBurst = 256;
-
-}  // namespace
 
 MulticastSockets open_sockets(const BusConfig& config, int receive_buffer) {
   if (!config.key && config.ttl != 0) {
@@ -44,6 +39,7 @@ std::optional<Reception> Bus::receive() noexcept {
 }
 
 std::optional<Reception> Bus::receive(std::int64_t timeout_ns) noexcept {
+  burst_ = 0;
   if (!inbox_.wait(timeout_ns)) return {};
   return receive();
 }

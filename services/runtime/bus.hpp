@@ -40,11 +40,14 @@ struct BusCounters : Refusals {
   std::array<std::int64_t, kChannelSlots> sent{}, received{}, gaps{}, repeats{}, reordered{};
 };
 
+/// Datagrams that a socket is read in one go, so that a flood cannot hold its reader.
+inline constexpr int kLongestBurst = 256;
+
 /// The sockets, once the configuration holds together.
 /// @throws Error naming what is missing (interface, permission, buffer) and the fix
 MulticastSockets open_sockets(const BusConfig& config, int receive_buffer);
 
-/// One accepted datagram; its payload is valid until the next receive().
+/// One accepted datagram; its payload is valid until the next receive() or wait().
 struct Reception {
   Channel channel;
   bool repeat;  ///< same epoch and sequence as the newest one on this channel
@@ -59,7 +62,8 @@ struct Stamp {
   std::int64_t sim_time_ns = 0;
 };
 
-/// One socket to hear, one to speak. Not thread-safe. Neither blocks nor allocates once open.
+/// One socket to hear, one to speak. Not thread-safe. Never allocates once open, and blocks only
+/// where it is given a timeout.
 class Bus {
  public:
   /// What a bus asks for [bytes, as the kernel counts them: about 1 kB for a STATE, 2.3 kB for a
@@ -77,8 +81,9 @@ class Bus {
   /// datagrams were read since the last empty result, so that a flood cannot hold the caller.
   std::optional<Reception> receive() noexcept;
 
-  /// The same, but sleeps first until a datagram comes or `timeout_ns` have passed. Who takes one a
-  /// round this way asks the kernel once for each; who wants all that waits asks once more.
+  /// The next such datagram of up to 256, but sleeps first until one comes or `timeout_ns` have
+  /// passed; empty too when all that came was dropped. Where 20 ms and more are left this is one
+  /// system call a datagram; who wants all that waits, by receive(), makes one more.
   std::optional<Reception> receive(std::int64_t timeout_ns) noexcept;
 
   /// Sleeps until a datagram may wait or `timeout_ns` have passed. @return whether one may wait.

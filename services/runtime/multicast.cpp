@@ -66,8 +66,13 @@ sockaddr_in group_address(const std::string& group, int port) {
   return address;
 }
 
-/// Index and first IPv4 address of an interface that is up.
-ip_mreqn find_interface(const std::string& name) {
+struct Interface {
+  ip_mreqn index_and_address;
+  bool loopback;
+};
+
+/// An interface that is up, with its first IPv4 address.
+Interface find_interface(const std::string& name) {
   ifaddrs* list = nullptr;
   if (getifaddrs(&list) != 0) throw Error("the network interfaces cannot be listed: " + reason());
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owner(list, &freeifaddrs);
@@ -100,9 +105,10 @@ ip_mreqn find_interface(const std::string& name) {
     throw NotReady(found + "which has no IPv4 address: `ip address add ADDRESS/24 dev " + name +
                    "`, or change network.interface in the rig file; this host has: " + existing);
   }
-  return {.imr_multiaddr = {},
-          .imr_address = *address,
-          .imr_ifindex = static_cast<int>(if_nametoindex(name.c_str()))};
+  return {.index_and_address = {.imr_multiaddr = {},
+                                .imr_address = *address,
+                                .imr_ifindex = static_cast<int>(if_nametoindex(name.c_str()))},
+          .loopback = (*flags & IFF_LOOPBACK) != 0};
 }
 
 void grow_receive_buffer(const Descriptor& socket, int wanted) {
@@ -121,7 +127,7 @@ void grow_receive_buffer(const Descriptor& socket, int wanted) {
 }
 
 /// Hears exactly the group, from exactly that interface.
-Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface, int buffer) {
+Descriptor open_receiver(sockaddr_in group, const Interface& interface, int buffer) {
   Descriptor socket = open_socket();
   // With SO_REUSEPORT instead, neither liblcm nor a second daemon could open the same port.
   set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
@@ -134,17 +140,15 @@ Descriptor open_receiver(sockaddr_in group, const ip_mreqn& interface, int buffe
     throw Error("UDP port " + port + " cannot be opened: " + reason() + "; `ss -ulpn 'sport = :" +
                 port + "'` names who has it: stop that, or change network.port in the rig file");
   }
-  ip_mreqn membership = interface;
+  ip_mreqn membership = interface.index_and_address;
   membership.imr_multiaddr = group.sin_addr;
   set_option(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, membership,
              "network.interface does not join network.group");
   return socket;
 }
 
-bool is_loopback(in_addr address) { return ntohl(address.s_addr) >> 24 == IN_LOOPBACKNET; }
-
-/// From where a socket on the loopback interface speaks: all of 127/8 is this host's, so the
-/// address can say the port. Nobody else's does, for the two together are given only once.
+/// Binds a socket on the loopback interface to an address and a port that is nobody else's. Where
+/// all of 127/8 is this host's, the address can say the port; the two together are given only once.
 bool bind_to_address_of_its_own(const Descriptor& socket) {
   constexpr in_addr_t kFirstAddress = 0x7f800000;                      // 127.128.0.0
   constexpr int kFirstPort = 49152, kLastPort = 65535, kTries = 1000;  // RFC 6335: dynamic ports
@@ -162,42 +166,41 @@ bool bind_to_address_of_its_own(const Descriptor& socket) {
   return false;
 }
 
-/// Speaks from the interface's own address, or from one of this socket alone, and a port of its
-/// own.
-Descriptor open_sender(const ip_mreqn& interface, int ttl) {
+/// Speaks from an address of its own where it can, else from the interface's.
+Descriptor open_sender(const Interface& interface, int ttl) {
   if (ttl < 0 || ttl > 255) {
     throw Error("network.ttl is " + std::to_string(ttl) +
                 "; expected 0 (this host only) or 1 (this subnet), 255 at most");
   }
   Descriptor socket = open_socket();
-  set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, interface, "IP_MULTICAST_IF");
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_IF, interface.index_and_address, "IP_MULTICAST_IF");
   set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, ttl, "IP_MULTICAST_TTL");
   set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, 1, "IP_MULTICAST_LOOP");
+  if (interface.loopback && bind_to_address_of_its_own(socket)) return socket;
 
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_addr = interface.imr_address;
-  const bool bound = is_loopback(interface.imr_address)
-                         ? bind_to_address_of_its_own(socket)
-                         : bind(socket.get(), generic(address), sizeof address) == 0;
-  if (!bound) throw Error("no UDP port to send from: " + reason());
+  address.sin_addr = interface.index_and_address.imr_address;
+  if (bind(socket.get(), generic(address), sizeof address) != 0) {
+    throw Error("no UDP port to send from: " + reason());
+  }
   return socket;
 }
 
-/// What a socket said itself would wake it up: half of the kernel's work in a loop. Only where
-/// nobody else has its address.
+/// Keeps from the receiver what comes from an address: that its own sender said would wake it up. A
+/// kernel that does not do it costs time, and nothing else.
 void close_to(const Descriptor& receiver, const sockaddr_in& group, const sockaddr_in& source,
               const ip_mreqn& interface) {
   group_source_req request{};
   request.gsr_interface = static_cast<std::uint32_t>(interface.imr_ifindex);
   std::memcpy(&request.gsr_group, &group, sizeof group);
   std::memcpy(&request.gsr_source, &source, sizeof source);
-  set_option(receiver, IPPROTO_IP, MCAST_BLOCK_SOURCE, request, "MCAST_BLOCK_SOURCE");
+  setsockopt(receiver.get(), IPPROTO_IP, MCAST_BLOCK_SOURCE, &request, sizeof request);
 }
 
 /// What a firewall or a lost route would silence must fail now. The port is nobody else's, so that
 /// no running program hears this.
-void prove(const Descriptor& sender, sockaddr_in group, const ip_mreqn& interface) {
+void prove(const Descriptor& sender, sockaddr_in group, const Interface& interface) {
   group.sin_port = 0;
   const Descriptor receiver = open_receiver(group, interface, kSmallestReceiveBuffer);
   group.sin_port = name_of_socket(receiver).sin_port;
@@ -220,7 +223,7 @@ void prove(const Descriptor& sender, sockaddr_in group, const ip_mreqn& interfac
 MulticastSockets open_multicast(const std::string& group, int port, const std::string& interface,
                                 int ttl, int receive_buffer) {
   const sockaddr_in address = group_address(group, port);
-  const ip_mreqn device = find_interface(interface);
+  const Interface device = find_interface(interface);
   MulticastSockets sockets;
   sockets.receiver = open_receiver(address, device, receive_buffer);
   sockets.sender = open_sender(device, ttl);
@@ -229,8 +232,9 @@ MulticastSockets open_multicast(const std::string& group, int port, const std::s
     throw Error("network.group cannot be reached through network.interface: " + reason());
   }
   sockets.own_address = name_of_socket(sockets.sender);
-  if (is_loopback(device.imr_address)) {
-    close_to(sockets.receiver, address, sockets.own_address, device);
+  const ip_mreqn& shared = device.index_and_address;
+  if (sockets.own_address.sin_addr.s_addr != shared.imr_address.s_addr) {
+    close_to(sockets.receiver, address, sockets.own_address, shared);
   }
   return sockets;
 }

@@ -10,13 +10,14 @@
 
 namespace gyrotwin {
 
-/// One socket to hear the group, one to speak to it; neither blocks.
+/// One socket to hear the group, one to speak to it; neither blocks when they are opened.
 struct MulticastSockets {
   Descriptor receiver;
   Descriptor sender;        ///< connected to the group
   sockaddr_in own_address;  ///< where the sender's datagrams come from
 
-  /// Whether the sender said it. On the loopback interface the receiver does not hear that.
+  /// Whether the sender said it. From an address of its own, as it has on the loopback interface
+  /// where the host allows it, the receiver hardly ever hears that.
   bool own(const sockaddr_in& from) const noexcept {
     return from.sin_port == own_address.sin_port &&
            from.sin_addr.s_addr == own_address.sin_addr.s_addr;

@@ -15,8 +15,6 @@
 namespace gyrotwin::netcheck {
 namespace {
 
-constexpr int kLongestBurst = 256;
-
 void ask_for(const Descriptor& socket, int level, int option, const std::string& what) {
   constexpr int on = 1;
   if (setsockopt(socket.get(), level, option, &on, sizeof on) != 0) {

@@ -11,7 +11,6 @@
 namespace gyrotwin {
 namespace {
 
-constexpr int kLongestBurst = 256;
 constexpr std::size_t kLargestDatagram = 65'507;  // that UDP over IPv4 has
 
 /// When the kernel had a datagram; now, where it does not say.

@@ -100,7 +100,7 @@ TEST(Words, SayWhenThePushCameAndWhatWasLater) {
   };
   EXPECT_EQ(said(fades), "at 2 s: 8 s later it stands, tilt at most 5 deg");
   EXPECT_EQ(said(creeps),
-            "at 2 s: 8 s later it stands so far, and growing, tilt at most 0.272 deg");
+            "at 2 s: 8 s later it still stands, and its motion grows, tilt at most 0.272 deg");
   // exp(t) passes the fall limit of 0.7 rad, 40.1 deg, at 3.69 s.
   EXPECT_TRUE(said(topples).starts_with("at 2 s: 1.69 s later it falls")) << said(topples);
   EXPECT_EQ(said(nullptr), "");

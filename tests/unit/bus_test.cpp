@@ -109,6 +109,7 @@ TEST_P(BusTest, DoesNotHearItself) {
   send_state(mouth, 1, 0);
   ASSERT_TRUE(receive_soon(ears));
   EXPECT_FALSE(mouth.wait(0)) << "nor does it wake up for itself";
+  EXPECT_FALSE(mouth.receive());
   EXPECT_EQ(mouth.counters().received[kStateSlot], 0);
 }
 
@@ -277,6 +278,17 @@ TEST(BusFlood, OfRubbishIsReadInPiecesOf256) {
   EXPECT_EQ(ears.counters().malformed, 300);
 }
 
+TEST(BusFlood, OfRubbishIsReadInPiecesOf256AfterMuchThatIsGood) {
+  Bus ears(test_config());
+  Bus mouth(test_config());
+  RawPeer peer(test_config());
+  for (std::int64_t i = 0; i < 300; ++i) send_state(mouth, 1, i);
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(ears.receive(kSecond));
+  for (int i = 0; i < 300; ++i) peer.send(Bytes{1, 2, 3});
+  EXPECT_FALSE(ears.receive(kSecond));
+  EXPECT_EQ(ears.counters().malformed, 256);
+}
+
 TEST(BusFlood, WhatTheKernelDropsIsCounted) {
   Bus ears(test_config());
   Bus mouth(test_config());
@@ -306,7 +318,7 @@ TEST(BusWait, WaitsNoLongerThanAsked) {
   EXPECT_FALSE(bus.wait(1000));
   EXPECT_FALSE(bus.wait(0));
   EXPECT_FALSE(bus.wait(-5));
-  EXPECT_FALSE(bus.receive(1000));
+  for (const std::int64_t timeout : {1000, 0, -5}) EXPECT_FALSE(bus.receive(timeout));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ export type Tone = 'info' | 'good' | 'bad';
 export interface Happening { at: Date; tone: Tone; who: string; text: string; times: number }
 export interface Recording { on: boolean; file?: string; bytes?: number; error?: string }
 
-/** What happened, a line each. Who says the same again, but for the amount it begins with, counts on in the line it has. */
+/** What happened, a line each. Who says the same again counts on in the line it has; amounts that both begin with add up. */
 export class Happenings {
   private static readonly most = 200;
   readonly lines: Happening[] = [];  // the newest first
@@ -28,14 +28,17 @@ export class Happenings {
     const said = {at: new Date(), tone, who, text, times: 1};
     const newest = this.lines[0];
     if (newest && newest.tone === tone && newest.who === who && Happenings.what(newest.text) === Happenings.what(text)) {
-      Object.assign(newest, said, {times: newest.times + 1});
+      const amount = Happenings.amount(newest.text) + Happenings.amount(text);
+      const all = text.replace(/^\d+/, String(amount));
+      Object.assign(newest, said, {text: all, times: newest.times + 1});
       return;
     }
     this.lines.unshift(said);
     this.lines.length = Math.min(this.lines.length, Happenings.most);
     this.begun += 1;
   }
-  private static what(text: string): string { return text.replace(/^\d+ /, ''); }
+  private static what(text: string): string { return text.replace(/^\d+ /, '# '); }
+  private static amount(text: string): number { return parseInt(text, 10); }
 }
 
 /** From the page's clock to the gateway's [s]: the least delayed message of the last 10 to 20 s tells it best. */

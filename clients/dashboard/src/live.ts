@@ -17,7 +17,7 @@ export type {Recording, Tone} from './heard';
 
 export const KEPT = 60;  // [s]
 const FASTEST = 1100;    // messages a second that a ring has room for
-const PATIENCE = 2500;   // for the owner's answer [ms]
+const PATIENCE = 5000;   // for the owner's answer, which the gateway asks for during 2 s [ms]
 export const STALE = 1;  // [s]
 
 type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';

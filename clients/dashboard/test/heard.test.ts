@@ -5,12 +5,17 @@ import {Happenings} from '../src/heard';
 const told = (happenings: Happenings) => happenings.lines.map(({text, times}) => `${times} x ${text}`);
 
 describe('what happened', () => {
-  it('counts on in one line where the same is said again, but for the amount it begins with', () => {
+  it('counts on in one line where the same is said again, and adds up the amounts it begins with', () => {
     const happenings = new Happenings();
     happenings.add('info', 'gateway', 'connected');
     for (const left of [31, 7, 12]) happenings.add('bad', 'gateway', `${left} messages were left out`);
-    expect(told(happenings)).toEqual(['3 x 12 messages were left out', '1 x connected']);
+    expect(told(happenings)).toEqual(['3 x 50 messages were left out', '1 x connected']);
     expect(happenings.begun).toBe(2);
+  });
+  it('counts on without an amount', () => {
+    const happenings = new Happenings();
+    for (let i = 0; i < 2; ++i) happenings.add('info', 'gateway', 'connected');
+    expect(told(happenings)).toEqual(['2 x connected']);
   });
   it('keeps everything else a line of its own', () => {
     const happenings = new Happenings();

@@ -16,8 +16,8 @@ from .status_t import status_t
 from .wire import text
 
 _OWNER_PATIENCE_S = 2.0  # for the owner's STATUS
-_RESEND_S = 0.2  # a request without answer again
-_TRIES = 10  # of one request
+_RESEND_S = 0.1  # a request without answer again
+_TRIES = 20  # of one request
 _OWNER_STATUS = ("INTEGRATOR/STATUS", "HARDWARE/STATUS")
 # Not a caller's: who asks, whom, and what for.
 _OWN_FIELDS = ("header", "verb", "kind", "owner_epoch", "writer", "counter", "mac")

@@ -17,7 +17,8 @@ from .wire import CHANNELS, MAX_DATAGRAM, DatagramFormat, Parsed
 
 # Linux; Python does not name them.
 _IP_MULTICAST_ALL = 49
-_SO_RXQ_OVFL = 40
+_SO_MEMINFO = 55
+_MEMINFO_DROPS = 8  # of its nine numbers
 
 _RECEIVE_BUFFER = 4 << 20  # that is asked for; the kernel grants up to net.core.rmem_max [byte]
 _LEAST_BUFFERED = 512  # that the kernel counts for one datagram [byte]
@@ -46,18 +47,26 @@ class Bus:
     lost, and counted as `kernel_dropped`.
     """
 
-    counters: Counters
-
     def __init__(self, rig: Union[Rig, str]):
         """rig: a Rig, or what Rig() takes. Raises Error naming what is missing (key, interface)."""
         self.rig = rig if isinstance(rig, Rig) else Rig(rig)
-        self.counters = Counters()
+        self._counters = Counters()
         self._format = DatagramFormat(self.rig.prefix, self.rig.id, self.rig.key)
         self._newest: dict[str, OrderedDict[int, int]] = {c: OrderedDict() for c in CHANNELS}
         self._packets = 0
         self._kernel_drops = 0
         self._receiver, self._sender = _open(self.rig)
         self._own = self._sender.getsockname()
+
+    @property
+    def counters(self) -> Counters:
+        """What was heard so far. Asks the kernel what it has dropped, while the bus is open."""
+        if self._receiver.fileno() >= 0:
+            told = self._receiver.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, 36)
+            drops = struct.unpack("=9I", told)[_MEMINFO_DROPS]
+            self._counters.kernel_dropped += (drops - self._kernel_drops) & 0xFFFFFFFF
+            self._kernel_drops = drops
+        return self._counters
 
     def listen(
         self, seconds: Optional[float] = None, channels: Union[str, Iterable[str], None] = None
@@ -120,23 +129,18 @@ class Bus:
         """One datagram; None when none came in time, or it was not for us."""
         if not select.select([self._receiver], [], [], timeout_s)[0]:
             return None
-        datagram, control, _, sender = self._receiver.recvmsg(MAX_DATAGRAM + 1, 64)
-        for level, kind, data in control:
-            if level == socket.SOL_SOCKET and kind == _SO_RXQ_OVFL:
-                drops = struct.unpack("=I", data[:4])[0]
-                self.counters.kernel_dropped += (drops - self._kernel_drops) & 0xFFFFFFFF
-                self._kernel_drops = drops
+        datagram, sender = self._receiver.recvfrom(MAX_DATAGRAM + 1)
         if sender == self._own:
             return None
         parsed = self._format.parse(datagram)
         if parsed.verdict != "good":
-            count = getattr(self.counters, parsed.verdict)
-            setattr(self.counters, parsed.verdict, count + 1)
+            count = getattr(self._counters, parsed.verdict)
+            setattr(self._counters, parsed.verdict, count + 1)
             return None
         return parsed if self._in_order(parsed) else None
 
     def _in_order(self, heard: Parsed) -> bool:
-        counters, channel = self.counters, heard.channel
+        counters, channel = self._counters, heard.channel
         senders = self._newest[channel]
         newest = senders.get(heard.epoch)
         if newest is not None and heard.sequence < newest:
@@ -166,7 +170,7 @@ def _names(channels: Union[str, Iterable[str], None]) -> frozenset[str]:
 
 
 def _open(rig: Rig) -> Tuple[socket.socket, socket.socket]:
-    """Receiver and sender, as services/runtime/multicast opens them."""
+    """Receiver and sender; the sender speaks from the interface's own address."""
     try:
         index = socket.if_nametoindex(rig.interface)
     except OSError:
@@ -181,7 +185,6 @@ def _open(rig: Rig) -> Tuple[socket.socket, socket.socket]:
         group = socket.inet_aton(rig.group)
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         receiver.setsockopt(socket.IPPROTO_IP, _IP_MULTICAST_ALL, 0)
-        receiver.setsockopt(socket.SOL_SOCKET, _SO_RXQ_OVFL, 1)
         receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER)
         receiver.bind((rig.group, rig.port))
         on_interface = struct.pack("=4s4si", group, bytes(4), index)

@@ -26,7 +26,7 @@ class BusNear final : public Near {
     bus_.send(Channel::kState, state_, {.epoch = 1, .sequence = ++sequence_});
     while (command_.header.sequence != sequence_) {
       const auto reception = bus_.receive(kPatience);
-      if (!reception) return false;
+      if (!reception) return false;  // nobody else speaks here
       if (reception->channel == Channel::kCommand) Bus::decode(*reception, command_);
     }
     return true;
