@@ -78,7 +78,6 @@ FIGURES = (
         "COMMAND. From before the first send to after the last receive, both on one core, or "
         "each on its own.",
         goals=(Goal("p50", 1.25, "raw UDP", case="one_core"),
-               Goal("p50", 1.25, "raw multicast", case="one_core", why="the floor of a bus"),
                Goal("p50", 0.45, "liblcm", case="one_core"),
                Goal("p99", 1, "liblcm", case="one_core"),
                *(Goal("p50", 1, name, case="one_core", why="ahead of every middleware")
