@@ -57,12 +57,14 @@ test('the platform moves while time goes on, and stands still while it is paused
   const first = await looks();
   for (let tries = 0; await looks() === first; ++tries) assert.ok(tries < 50, 'nothing moves');
   await pause();
-  let before = await looks(), after = await looks();
-  for (let tries = 0; before !== after; ++tries) {
-    assert.ok(tries < 20, 'it moves although time stands still');
-    [before, after] = [after, await looks()];
+  // What was on its way is drawn yet, and a slow machine may draw nothing between two looks.
+  let before = await looks();
+  for (let tries = 0, still = 0; still < 4; ++tries) {
+    assert.ok(tries < 30, 'it moves although time stands still');
+    const now = await looks();
+    still = now === before ? still + 1 : 0;
+    before = now;
   }
-  assert.equal(await looks(), after);
   await resume();
 });
 
