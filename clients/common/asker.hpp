@@ -40,15 +40,14 @@ class Asker {
   template <class Done>
   bool listen(std::int64_t limit_ns, Done&& done) {
     const std::int64_t end = clock_.now_ns() + limit_ns;
-    for (std::int64_t left = limit_ns; left > 0; left = end - clock_.now_ns()) {
-      const auto reception = bus_.receive(left);
-      if (reception && done(*reception)) return true;
+    for (;;) {
+      while (const auto reception = bus_.receive()) {
+        if (done(*reception)) return true;
+      }
+      const std::int64_t left = end - clock_.now_ns();
+      if (left <= 0) return false;
+      bus_.wait(left);
     }
-    // A machine may have paused for all that time: what came meanwhile was in time.
-    while (const auto reception = bus_.receive()) {
-      if (done(*reception)) return true;
-    }
-    return false;
   }
 
   /// What the bus heard that speaks for a wrong key or a wrong rig; empty when nothing does.

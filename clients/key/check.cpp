@@ -76,7 +76,9 @@ Heard listen(const Rig& rig, double seconds) {
   MonotonicClock clock;
   const auto end = clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
   for (std::int64_t now = clock.now_ns(); now < end; now = clock.now_ns()) {
-    bus.receive(end - now);
+    bus.wait(end - now);
+    while (bus.receive()) {
+    }
   }
   const BusCounters& counters = bus.counters();
   const auto sum = [](const auto& each) {

@@ -89,21 +89,22 @@ std::string correlation(double value) {
 }
 
 void add_sensitivities(const Results& results, Page& page) {
-  const std::vector<const Factor*> factors = by_influence(results);
-  if (factors.empty()) return;
   Rows rows;
-  for (const Factor* factor : factors) {
+  bool any_matters = false;
+  for (const Factor* factor : by_influence(results)) {
     const auto [low, high] = std::ranges::minmax(factor->numbers);
     const Influence seen = influence(*factor, results);
+    any_matters |= seen.matters();
     rows.push_back({seen.by_size ? "|" + factor->key + "|" : factor->key,
                     fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
                     mean_where(*factor, results, [&](std::size_t i) { return results.stands(i); }),
                     mean_where(*factor, results, [&](std::size_t i) { return !results.stands(i); }),
                     correlation(seen.standing), correlation(seen.tilt)});
   }
+  if (rows.empty()) return;
   page.heading("What it hangs on");
   page.paragraph(
-      influence(*factors.front(), results).matters()
+      any_matters
           ? "Rank correlations: +1 where a larger value always goes with standing or with more "
             "tilt, -1 where it always goes against it, near 0 where it does not matter or matters "
             "both ways, empty where all runs are alike; |key|: of its size, where that tells more."

@@ -13,8 +13,8 @@ namespace gyrotwin {
 /// One socket to hear the group, one to speak to it; neither blocks when they are opened.
 struct MulticastSockets {
   Descriptor receiver;
-  Descriptor sender;        ///< connected to the group
-  sockaddr_in own_address;  ///< where the sender's datagrams come from
+  Descriptor sender;          ///< connected to the group
+  sockaddr_in own_address{};  ///< where the sender's datagrams come from
 
   /// Whether the sender said it. From an address of its own, as it has on the loopback interface
   /// where the host allows it, the receiver hardly ever hears that.

@@ -20,18 +20,18 @@ bool lately(std::int64_t heard, std::int64_t now) {
 }  // namespace
 
 void claim(const Rig& rig, Bus& bus, Clock& clock, const Daemon& daemon) {
-  const auto look = [&rig](const Reception& reception) {
-    if (!is_owner_status(reception.channel)) return;
-    status_t other;
-    Bus::decode(reception, other);
-    throw NotDone(
-        fmt::format("rig {} is owned already by process {} on {}; stop that one first, or "
-                    "give this rig a file with another id, port and prefix",
-                    rig.name, other.pid, get_text(other.host)));
-  };
   const std::int64_t end = clock.now_ns() + kClaim;
   for (std::int64_t now = clock.now_ns(); now < end && !daemon.stopping(); now = clock.now_ns()) {
-    if (const auto reception = bus.receive(end - now)) look(*reception);
+    bus.wait(end - now);
+    while (const auto reception = bus.receive()) {
+      if (!is_owner_status(reception->channel)) continue;
+      status_t other;
+      Bus::decode(*reception, other);
+      throw NotDone(
+          fmt::format("rig {} is owned already by process {} on {}; stop that one first, or "
+                      "give this rig a file with another id, port and prefix",
+                      rig.name, other.pid, get_text(other.host)));
+    }
   }
 }
 

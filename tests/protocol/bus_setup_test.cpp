@@ -34,6 +34,18 @@ void run(const std::string& command) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(bugprone-command-processor)
 }
 
+/// Others hear a bus, which hears itself too, and throws that away.
+void expect_deaf_to_itself(const BusConfig& config) {
+  Bus ears(config);
+  Bus mouth(config);
+  status_t status{};
+  mouth.send(Channel::kIntegratorStatus, status, {.epoch = 1});
+  EXPECT_TRUE(receive_soon(ears));
+  EXPECT_TRUE(mouth.wait(10'000'000'000)) << "the kernel does hand it its own datagram";
+  EXPECT_FALSE(mouth.receive());
+  EXPECT_EQ(mouth.counters().received, decltype(BusCounters::received){});
+}
+
 /// A bus on `lab0`, the near end of a cable whose far end is `lab1`.
 class InterfaceTest : public ::testing::Test {
  protected:
@@ -85,14 +97,7 @@ TEST_F(InterfaceTest, OneGroupOnTwoInterfacesIsTwoNetworks) {
 /// All who share an interface share its address, so what a bus said comes back to it there.
 TEST_F(InterfaceTest, NobodyHearsItself) {
   plug_in();
-  Bus ears(on_lab0());
-  Bus mouth(on_lab0());
-  status_t status{};
-  mouth.send(Channel::kIntegratorStatus, status, {.epoch = 1});
-  ASSERT_TRUE(receive_soon(ears));
-  EXPECT_TRUE(mouth.wait(10'000'000'000)) << "the kernel does hand it its own datagram";
-  EXPECT_FALSE(mouth.receive());
-  EXPECT_EQ(mouth.counters().received, decltype(BusCounters::received){});
+  expect_deaf_to_itself(on_lab0());
 }
 
 TEST(BusSetup, EveryBusOnTheLoopbackInterfaceSpeaksFromItsOwnAddress) {
@@ -111,16 +116,7 @@ TEST(BusSetup, EveryBusOnTheLoopbackInterfaceSpeaksFromItsOwnAddress) {
 /// A host may have one address on `lo`: then a bus hears itself, and throws that away.
 TEST(BusSetup, WorksWithoutAddressesOfItsOwn) {
   run("ip address delete 127.0.0.1/8 dev lo && ip address add 127.0.0.1/32 dev lo");
-  {
-    Bus ears(test_config());
-    Bus mouth(test_config());
-    status_t status{};
-    mouth.send(Channel::kIntegratorStatus, status, {.epoch = 1});
-    EXPECT_TRUE(receive_soon(ears));
-    EXPECT_TRUE(mouth.wait(10'000'000'000)) << "the kernel does hand it its own datagram";
-    EXPECT_FALSE(mouth.receive());
-    EXPECT_EQ(mouth.counters().received, decltype(BusCounters::received){});
-  }
+  expect_deaf_to_itself(test_config());
   run("ip address delete 127.0.0.1/32 dev lo && ip address add 127.0.0.1/8 dev lo");
 }
 

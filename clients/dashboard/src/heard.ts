@@ -21,6 +21,7 @@ export interface Recording { on: boolean; file?: string; bytes?: number; error?:
 /** What happened, a line each. Who says the same again counts on in the line it has; amounts that both begin with add up. */
 export class Happenings {
   private static readonly most = 200;
+  private static readonly amount = /^\d+(?= )/;
   readonly lines: Happening[] = [];  // the newest first
   begun = 0;                         // lines so far
 
@@ -28,8 +29,7 @@ export class Happenings {
     const said = {at: new Date(), tone, who, text, times: 1};
     const newest = this.lines[0];
     if (newest && newest.tone === tone && newest.who === who && Happenings.what(newest.text) === Happenings.what(text)) {
-      const amount = Happenings.amount(newest.text) + Happenings.amount(text);
-      const all = text.replace(/^\d+/, String(amount));
+      const all = text.replace(Happenings.amount, (more) => String(Number(more) + parseInt(newest.text, 10)));
       Object.assign(newest, said, {text: all, times: newest.times + 1});
       return;
     }
@@ -37,8 +37,7 @@ export class Happenings {
     this.lines.length = Math.min(this.lines.length, Happenings.most);
     this.begun += 1;
   }
-  private static what(text: string): string { return text.replace(/^\d+ /, '# '); }
-  private static amount(text: string): number { return parseInt(text, 10); }
+  private static what(text: string): string { return text.replace(Happenings.amount, '#'); }
 }
 
 /** From the page's clock to the gateway's [s]: the least delayed message of the last 10 to 20 s tells it best. */

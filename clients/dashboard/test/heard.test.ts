@@ -14,8 +14,8 @@ describe('what happened', () => {
   });
   it('counts on without an amount', () => {
     const happenings = new Happenings();
-    for (let i = 0; i < 2; ++i) happenings.add('info', 'gateway', 'connected');
-    expect(told(happenings)).toEqual(['2 x connected']);
+    for (const text of ['connected', 'connected', '3D is off', '3D is off']) happenings.add('info', 'gateway', text);
+    expect(told(happenings)).toEqual(['2 x 3D is off', '2 x connected']);
   });
   it('keeps everything else a line of its own', () => {
     const happenings = new Happenings();
