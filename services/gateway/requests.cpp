@@ -9,18 +9,24 @@ namespace gyrotwin {
 Requests::Requests(Send send) : send_(std::move(send)), writer_(random_id()) {}
 
 bool Requests::ask(request_t request, std::int64_t now_ns) {
+  if (request.verb == request_t::DISARM) {
+    std::erase_if(waiting_, [](const request_t& r) { return r.verb != request_t::DISARM; });
+  }
   if (waiting_.size() >= kMost) return false;
   if (request.writer == 0) {
     request.writer = writer_;
     request.counter = ++counter_;
   }
-  const bool urgent = request.verb == request_t::DISARM && waiting_.size() > 1;
-  waiting_.insert(urgent ? waiting_.begin() + 1 : waiting_.end(), request);
-  if (waiting_.size() == 1) {
-    ++sequence_;
-    send(now_ns);
-  }
+  waiting_.push_back(request);
+  if (waiting_.size() == 1) begin(now_ns);
   return true;
+}
+
+/// Sends the first for the first time.
+void Requests::begin(std::int64_t now_ns) {
+  ++sequence_;
+  tries_ = 0;
+  send(now_ns);
 }
 
 void Requests::send(std::int64_t now_ns) {
@@ -36,7 +42,6 @@ bool Requests::on_timer(std::int64_t now_ns) {
     return true;
   }
   waiting_.clear();
-  tries_ = 0;
   return false;
 }
 
@@ -46,10 +51,7 @@ void Requests::on_reply(const reply_t& reply, std::int64_t now_ns) {
     return;
   }
   waiting_.pop_front();
-  tries_ = 0;
-  if (waiting_.empty()) return;
-  ++sequence_;
-  send(now_ns);
+  if (!waiting_.empty()) begin(now_ns);
 }
 
 }  // namespace gyrotwin

@@ -19,8 +19,8 @@ class Requests {
 
   explicit Requests(Send send);
 
-  /// Puts a request in the queue, a DISARM before all that are not yet on their way; who asks
-  /// without an identity gets the gateway's.
+  /// Puts a request in the queue; who asks without an identity gets the gateway's. A DISARM does
+  /// not wait: other requests that nobody has answered yet are forgotten, lest they act after it.
   /// @return false when too many wait
   bool ask(request_t request, std::int64_t now_ns);
 
@@ -30,6 +30,7 @@ class Requests {
   void on_reply(const reply_t& reply, std::int64_t now_ns);
 
  private:
+  void begin(std::int64_t now_ns);
   void send(std::int64_t now_ns);
 
   Send send_;

@@ -171,6 +171,34 @@ TEST_F(GatewayTest, HandsRequestsOfOperatorsToTheOwner) {
   EXPECT_NE(all[0]["message"].get<std::string>().find("does not answer"), std::string::npos);
 }
 
+TEST_F(GatewayTest, DisarmWaitsForNobodyAndNothingComesAfterIt) {
+  Client& client = joined(Role::kOperator);
+  hear_owner();
+  advertise(client);
+  publish(client, 9, R"({"verb":"ARM","writer":5,"counter":1})");
+  publish(client, 9, R"({"verb":"PAUSE","writer":6,"counter":1})");
+  publish(client, 9, R"({"verb":"DISARM","writer":7,"counter":1})");
+  publish(client, 9, R"({"verb":"DISARM","writer":8,"counter":1})");
+  ASSERT_EQ(sent_.size(), 2u);
+  EXPECT_EQ(sent_[1].writer, 7);
+
+  const auto answer = [&](std::int64_t writer) {
+    reply_t reply{};
+    reply.request_writer = writer;
+    reply.request_counter = 1;
+    hear(Channel::kReply, reply);
+  };
+  answer(5);  // the ARM had arrived after all
+  EXPECT_EQ(sent_.size(), 2u);
+  answer(7);
+  ASSERT_EQ(sent_.size(), 3u);
+  EXPECT_EQ(sent_[2].writer, 8);
+  answer(8);
+  for (int i = 0; i < 2 * kMostAsks; ++i) gateway_.on_timer(now_ += kAskAgain, 0);
+  EXPECT_EQ(sent_.size(), 3u);
+  EXPECT_TRUE(texts(client).empty());
+}
+
 TEST_F(GatewayTest, ObserversOnlyLook) {
   Client& client = joined(Role::kObserver);
   hear_owner();
