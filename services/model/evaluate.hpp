@@ -12,14 +12,15 @@
 
 namespace gyrotwin::model {
 
-/// One evaluation for one shape: every index is a constant.
+/// One evaluation for one shape: every index is a constant. All of it in one function, so that what
+/// one body's part leaves at 0 is known to be 0 in the next.
 template <Shape shape, class S>
 class Evaluator {
  public:
   Evaluator(const Tree& tree, const CoordinatesOf<S>& v, const Rotors& rotors, MotionOf<S>& motion)
       : tree_(tree), v_(v), rotors_(rotors), motion_(motion) {}
 
-  void run(const CoordinatesOf<S>& q, const Support& support) {
+  [[gnu::always_inline]] void run(const CoordinatesOf<S>& q, const Support& support) {
     sine_cosine<shape.coordinates>(q.data(), motion_.sin_q.data(), motion_.cos_q.data());
     motion_.f.setZero();
     count_to<shape.coordinates>([&](auto i) {
@@ -47,7 +48,7 @@ class Evaluator {
   /// The pivot, carried by the position parent: in its axes, or in the world's for a body that is
   /// turned against the world.
   template <int b>
-  void place(const Support& support) {
+  [[gnu::always_inline]] void place(const Support& support) {
     constexpr Shape::Joint joint = shape.bodies[b];
     FrameOf<S>& frame = motion_.frame[b];
     if constexpr (joint.position_parent == kGround) {
@@ -75,7 +76,7 @@ class Evaluator {
 
   /// The orientation, turned from the orientation parent's by the joint's rotations.
   template <int b>
-  void turn(const Support& support) {
+  [[gnu::always_inline]] void turn(const Support& support) {
     constexpr Shape::Joint joint = shape.bodies[b];
     FrameOf<S>& frame = motion_.frame[b];
     if constexpr (joint.orientation_parent == kGround) {
@@ -94,7 +95,7 @@ class Evaluator {
 
   /// R <- R Rot, and the same vectors in the turned axes: x <- Rot' x.
   template <int b, int r>
-  void turn() {
+  [[gnu::always_inline]] void turn() {
     constexpr Shape::Joint joint = shape.bodies[b];
     constexpr Rotation rotation = joint.rotations[r];
     constexpr int k = rotation.coordinate, e = static_cast<int>(rotation.axis);
@@ -127,7 +128,7 @@ class Evaluator {
 
   /// What a body with its gyros adds to M and f; all about its pivot.
   template <int b>
-  void load() {
+  [[gnu::always_inline]] void load() {
     constexpr Shape::Joint joint = shape.bodies[b];
     using AnyMoments = std::conditional_t<joint.balanced, BalancedMoments<S>, Moments<S>>;
     const FrameOf<S>& frame = motion_.frame[b];

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numbers>
 
 #include "services/model/dynamics.hpp"
@@ -257,6 +258,34 @@ TEST(Invariance, SingularIsNotFinite) {
   constexpr Shape kOneAxis = Shape().hang(kGround, kGround, {{Axis::kX, 0}});
   const Machine machine{model::make_tree<kOneAxis>({model::Body()}, {}), {}};
   EXPECT_FALSE(machine.acceleration(machine.state({0.1}, {}), {}).allFinite());
+}
+
+/// However much of the equations the compiler leaves out because it is 0.
+TEST(Invariance, WhatIsNotFiniteInTheStateShows) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Random random(4);
+  for (const Machine& machine : random.machines()) {
+    const State sound = random.state(machine, 0.3, 2.0);
+    for (const double value : {kNaN, kInfinity, -kInfinity}) {
+      const auto expect_shown = [&](const State& state, const char* where, int i) {
+        EXPECT_FALSE(machine.acceleration(state, {}).allFinite()) << value << where << i;
+      };
+      for (int i = 0; i < machine.coordinates(); ++i) {
+        State state = sound;
+        state.q[i] = value;
+        expect_shown(state, " at q ", i);
+        state = sound;
+        state.v[i] = value;
+        expect_shown(state, " at v ", i);
+      }
+      for (int j = 0; j < machine.rotors; ++j) {
+        State state = sound;
+        state.rotor_speed[j] = value;
+        expect_shown(state, " at rotor ", j);
+      }
+    }
+  }
 }
 
 }  // namespace
