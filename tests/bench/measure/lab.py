@@ -105,7 +105,7 @@ class Lab:
     def __init__(self, bin_folder):
         self.bin = Path(bin_folder)
         if not (self.bin / "gyrotwin-integrator").exists():
-            raise Missing(f"{self.bin} has no gyrotwin-integrator; deploy/build programs makes it")
+            raise Missing(f"{self.bin} has no gyrotwin-integrator; deploy/build binaries makes it")
         self._folder = tempfile.TemporaryDirectory(prefix="gyrotwin-bench-")
         self.folder = Path(self._folder.name)
         os.environ["GYROTWIN_KEYS"] = self._folder.name

@@ -42,7 +42,7 @@ def _measure(name, figures, **more):
 
 
 def _scale(name, figures, **more):
-    return _measure(name, figures, quick=("--quick",), targets=("programs",), namespace=True, **more)
+    return _measure(name, figures, quick=("--quick",), targets=("binaries",), namespace=True, **more)
 
 
 PROGRAMS = (
@@ -59,10 +59,10 @@ PROGRAMS = (
     Program("wakeup", ("wakeup",), _script("wakeup_vs_cyclictest.sh"), (str(BIN / "wakeup"), "5"),
             (str(BIN / "wakeup"), "2"), ("wakeup",)),
     Program("loop", ("loop",), _script("loop/shipped_loop.sh"), (str(BIN), "10"), (str(BIN), "3"),
-            ("programs", "loop_latency"), rounds=3),
+            ("binaries", "loop_latency"), rounds=3),
     _measure("mirror", ("mirror",), targets=("mirror_figures",)),
     _measure("start", ("start",), targets=("programs",), namespace=True, rounds=3),
-    _measure("logger", ("logger",), quick=("--quick",), targets=("programs", "log_sender"),
+    _measure("logger", ("logger",), quick=("--quick",), targets=("binaries", "log_sender"),
              namespace=True, rounds=3),
     _scale("ticks", ("gyros", "substeps")),
     _scale("sweep", ("sweep",), rounds=3),
