@@ -2,13 +2,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "clients/analyze/loop.hpp"
+#include "services/model/eigenvalues.hpp"
 #include "services/model/linearise.hpp"
 
 namespace gyrotwin {
@@ -205,11 +205,11 @@ Modes modes_about(const Rig& rig, const model::Machine& machine, const Law* law,
   modes.law_bends = slopes_of_law.kink;
   modes.plant_bends = plant.bends;
   if (law == nullptr) {
-    modes.eigenvalues = fastest_growing_first(modes.F.eigenvalues());
+    modes.eigenvalues = fastest_growing_first(model::eigenvalues(modes.F));
   } else {
     const double tick = rig.loop.tick_s();
     const MatrixXd map = one_tick(plant, slopes_of_law, tick, rig.loop.command_delay_ticks);
-    modes.eigenvalues = fastest_growing_first(per_second(map.eigenvalues(), n + m, tick));
+    modes.eigenvalues = fastest_growing_first(per_second(model::eigenvalues(map), n + m, tick));
   }
   modes.growth = modes.eigenvalues.size() > 0 ? modes.eigenvalues[0].real() : 0.0;
   return modes;

@@ -1,11 +1,10 @@
-// Another mount or track for an umbrella platform than its rig file says.
+// An umbrella platform on another mount than its rig file says.
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "services/model/umbrella.hpp"
-#include "services/runtime/cli.hpp"
+#include "services/runtime/rig.hpp"
 
 namespace gyrotwin {
 
@@ -20,9 +19,5 @@ bool held_level(const Rig& rig);
 /// What that leaves out, the beginning of a sentence.
 inline constexpr std::string_view kHeldLevel =
     "mount level is an idealisation: something outside held the disc level";
-
-/// Overrides the rig's mount and track where they are not empty, as with_mount() does.
-/// @throws Error when the rig is wrong or no umbrella platform
-void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track);
 
 }  // namespace gyrotwin

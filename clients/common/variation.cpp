@@ -1,8 +1,14 @@
 #include "clients/common/variation.hpp"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <variant>
 #include <vector>
 
 #include "clients/common/mount.hpp"
+#include "services/runtime/error.hpp"
 #include "services/runtime/machine_reader.hpp"
 #include "services/runtime/rig_reader.hpp"
 
@@ -15,6 +21,37 @@ std::vector<std::string> names_of(const Words& words) {
   std::vector<std::string> names;
   for (const auto& word : words) names.emplace_back(word.name);
   return names;
+}
+
+/// `[a, b]` with every bit.
+std::string toml_list(const std::vector<double>& values) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::array<char, 32> number;
+    const auto result = std::to_chars(number.data(), number.data() + number.size(), values[i],
+                                      std::chars_format::scientific);
+    text += (i > 0 ? ", " : "") + std::string(number.data(), result.ptr);
+  }
+  return text + "]";
+}
+
+/// Overrides the rig's mount and track where they are not empty, as with_mount() does.
+/// @throws Error when the rig is wrong or no umbrella platform
+void choose_mount(RigOptions& rig_options, const std::string& mount, const std::string& track) {
+  if (mount.empty() && track.empty()) return;
+  const Rig rig = load_rig(rig_options.name(), rig_options.overrides());
+  if (!std::holds_alternative<model::UmbrellaParameters>(rig.machine)) {
+    throw Error("rig " + rig.name +
+                " has gimballed gyros; only an umbrella platform has a mount and a track");
+  }
+  if (!track.empty()) rig_options.override_key("umbrella.track=" + track);
+  const auto chosen = std::find_if(kMountWords.begin(), kMountWords.end(),
+                                   [&](const auto& word) { return word.name == mount; });
+  if (chosen == kMountWords.end()) return;
+  const Rig remounted = with_mount(rig, chosen->value);
+  rig_options.override_key("umbrella.mount=" + mount);
+  rig_options.override_key("initial.q=" + toml_list(remounted.initial_q));
+  rig_options.override_key("initial.v=" + toml_list(remounted.initial_v));
 }
 
 }  // namespace

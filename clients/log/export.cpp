@@ -8,8 +8,8 @@
 #include "clients/log/log_scan.hpp"
 #include "clients/log/mat.hpp"
 #include "clients/log/mcap.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 
 namespace gyrotwin {
 

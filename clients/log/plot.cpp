@@ -13,8 +13,8 @@
 #include "clients/log/export_file.hpp"
 #include "clients/log/log_scan.hpp"
 #include "clients/plot/chart.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 #include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {

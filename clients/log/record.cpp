@@ -13,10 +13,10 @@
 #include "clients/log/catalog.hpp"
 #include "clients/log/listener.hpp"
 #include "clients/log/syncer.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/clock.hpp"
 #include "services/runtime/daemon.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 #include "services/runtime/rig_bus.hpp"
 
 namespace gyrotwin {

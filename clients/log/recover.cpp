@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "clients/log/log.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 
 namespace gyrotwin {
 

@@ -7,9 +7,9 @@
 
 #include "clients/log/log.hpp"
 #include "services/runtime/bus.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/clock.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 #include "services/runtime/rig_bus.hpp"
 #include "services/runtime/text.hpp"
 

@@ -1,6 +1,5 @@
 #include "services/controller/riccati.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <string>
 #include <tuple>
 
+#include "services/model/eigenvalues.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -80,7 +80,7 @@ double residual(const MatrixXd& F, const MatrixXd& S, const MatrixXd& Q, const M
 }  // namespace
 
 Eigen::VectorXcd poles(const MatrixXd& F) {
-  Eigen::VectorXcd values = F.eigenvalues();
+  Eigen::VectorXcd values = model::eigenvalues(F);
   std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) {
     return std::tuple(a.real(), a.imag()) < std::tuple(b.real(), b.imag());
   });

@@ -1,8 +1,9 @@
 #include "services/model/free_tilt.hpp"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "services/model/eigenvalues.hpp"
 
 namespace gyrotwin::model {
 
@@ -68,7 +69,7 @@ double tilt_growth(const FreeTilt& x, Mount mount, const TiltBushing& between,
   MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n).setIdentity();
   A.bottomRows(n) << -M.ldlt().solve(K), -M.ldlt().solve(G);
-  return A.eigenvalues().real().maxCoeff();
+  return eigenvalues(A).real().maxCoeff();
 }
 
 std::optional<Precession> precession(const FreeTilt& x, double speed) {

@@ -6,13 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "services/runtime/exit_code.hpp"
 #include "services/runtime/rig.hpp"
 
 namespace gyrotwin {
-
-/// The program did what it was asked for; it could not (refused, fell, timed out); it was asked
-/// wrongly (command line, rig file); this host is not ready for it yet (EX_TEMPFAIL of sysexits.h).
-enum ExitCode : int { kDone = 0, kNotDone = 1, kUsage = 2, kNotReady = 75 };
 
 /// The options about the rig: --rig, --set, --check-config, --print-config.
 class RigOptions {

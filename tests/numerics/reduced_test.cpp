@@ -8,6 +8,7 @@
 #include <complex>
 #include <numbers>
 
+#include "services/model/eigenvalues.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
 #include "tests/support/simulate.hpp"
@@ -237,7 +238,7 @@ TEST(Reduced, ShortedMotorLetsItFallSlowly) {
   Eigen::Matrix3d F;
   F << 0, 1, 0, r.U / r.A, 0, r.H / r.A, 0, -r.H / r.C, -b / r.C;
   double growth = -1.0;
-  for (const std::complex<double> s : F.eigenvalues()) {
+  for (const std::complex<double> s : model::eigenvalues(F)) {
     if (s.real() > growth) growth = s.real();
   }
   const double expected = r.U * b / (r.H * r.H - r.U * r.C);

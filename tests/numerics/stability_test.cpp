@@ -2,9 +2,9 @@
 // statements of services/model/README.md, sections 4 and 5.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "services/model/eigenvalues.hpp"
 #include "services/model/free_tilt.hpp"
 #include "services/model/linearise.hpp"
 #include "tests/support/random_machine.hpp"
@@ -36,7 +36,7 @@ double growth(const Machine& machine, const State& state) {
     A.col(cyclic).setZero();
     A(cyclic, cyclic) = -1e3;
   }
-  return A.eigenvalues().real().maxCoeff();
+  return model::eigenvalues(A).real().maxCoeff();
 }
 
 /// A platform whose gyros stay at one elevation, on a bushing and no ring.
@@ -197,7 +197,7 @@ TEST(Gimballed, StandsWithinTheWindowOfItsGimbalDamping) {
     F.bottomRightCorner<2, 2>() = about.dv.topLeftCorner<2, 2>();
     F.bottomRightCorner<2, 2>().col(1) -= cq * about.torque.topLeftCorner<2, 1>();
     const bool expected = cq > low && cq < high && kappa > 0.0;
-    EXPECT_EQ(F.eigenvalues().real().maxCoeff() < 0.0, expected)
+    EXPECT_EQ(model::eigenvalues(F).real().maxCoeff() < 0.0, expected)
         << "cq " << cq << " in " << low << " to " << high << ", kappa " << kappa;
     inside += expected ? 1 : 0;
   }

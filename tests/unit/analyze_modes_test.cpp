@@ -1,7 +1,6 @@
 // Modes of the sampled loop, and Routh's scheme against counted roots.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <complex>
 #include <random>
@@ -9,6 +8,7 @@
 #include "clients/analyze/figures.hpp"
 #include "clients/analyze/modes.hpp"
 #include "clients/analyze/polynomial.hpp"
+#include "services/model/eigenvalues.hpp"
 
 namespace gyrotwin {
 namespace {
@@ -99,7 +99,7 @@ int roots_to_the_right(const Polynomial& p) {
     companion(0, i) = -p[static_cast<std::size_t>(i) + 1] / p[0];
   }
   int count = 0;
-  for (const std::complex<double>& root : companion.eigenvalues()) count += root.real() > 0.0;
+  for (const std::complex<double>& root : model::eigenvalues(companion)) count += root.real() > 0.0;
   return count;
 }
 
@@ -119,7 +119,7 @@ TEST(Routh, CountsTheRootsToTheRight) {
     Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(degree, degree);
     companion.diagonal(-1).setOnes();
     for (int k = 0; k < degree; ++k) companion(0, k) = -p[static_cast<std::size_t>(k) + 1];
-    if (companion.eigenvalues().real().cwiseAbs().minCoeff() < 1e-3) continue;
+    if (model::eigenvalues(companion).real().cwiseAbs().minCoeff() < 1e-3) continue;
     const Routh scheme = routh(p);
     EXPECT_EQ(scheme.unstable, roots_to_the_right(p)) << text_of(p);
     unstable += scheme.unstable > 0 ? 1 : 0;

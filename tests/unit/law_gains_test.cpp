@@ -1,7 +1,7 @@
 // Gains and closed-loop poles of the linear laws, and their signs on the whole machine.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 #include <complex>
 
