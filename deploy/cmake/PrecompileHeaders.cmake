@@ -1,24 +1,20 @@
 # What nearly every source includes is compiled once: reading headers is most of what building takes.
 # The preset ubsan builds without, so that a source that leans on it does not get far.
+file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/headers.cpp CONTENT "")
+add_library(gyrotwin_headers OBJECT ${PROJECT_BINARY_DIR}/headers.cpp)
+target_link_libraries(gyrotwin_headers PRIVATE Eigen3::Eigen)
+target_precompile_headers(gyrotwin_headers PRIVATE <Eigen/Geometry> <algorithm> <array> <atomic>
+                          <chrono> <cmath> <condition_variable> <cstdint> <filesystem> <fstream>
+                          <functional> <iostream> <map> <memory> <mutex> <numeric> <optional> <set>
+                          <span> <string> <string_view> <thread> <tuple> <utility> <variant> <vector>)
 
-# gyrotwin_precompile(DIRECTORY...): for all C++ targets in them and below but the model. That has flags
-# of its own, and GCC does not inline what was compiled with others.
+# gyrotwin_precompile(DIRECTORY...): for all C++ targets in them and below
 function(gyrotwin_precompile)
-  if(NOT TARGET gyrotwin_headers)
-    file(TOUCH ${PROJECT_BINARY_DIR}/headers.cpp)
-    add_library(gyrotwin_headers OBJECT ${PROJECT_BINARY_DIR}/headers.cpp)
-    target_link_libraries(gyrotwin_headers PRIVATE Eigen3::Eigen)
-    target_precompile_headers(gyrotwin_headers PRIVATE <Eigen/Geometry> <algorithm> <array> <atomic>
-                              <chrono> <cmath> <condition_variable> <cstdint> <filesystem> <fstream>
-                              <functional> <iostream> <map> <memory> <mutex> <numeric> <optional> <set>
-                              <span> <string> <string_view> <thread> <tuple> <utility> <variant>
-                              <vector>)
-  endif()
   foreach(directory IN LISTS ARGN)
     get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
     foreach(target IN LISTS targets)
       get_target_property(sources ${target} SOURCES)
-      if(sources MATCHES "\\.cpp" AND NOT target STREQUAL gyrotwin_model)
+      if(sources MATCHES "\\.cpp")
         target_precompile_headers(${target} REUSE_FROM gyrotwin_headers)
       endif()
     endforeach()

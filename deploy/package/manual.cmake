@@ -19,7 +19,7 @@ set(script ${CMAKE_CURRENT_SOURCE_DIR}/package/completion)
 add_custom_command(
   OUTPUT ${completion}/gyrotwin
   COMMAND ${script} ${program_files} > ${completion}/gyrotwin
-  DEPENDS ${script} ${script}.bash ${programs}
+  DEPENDS ${script} ${script}.bash ${binaries}
   COMMENT "completion" VERBATIM)
 foreach(program IN LISTS programs)
   if(NOT program STREQUAL gyrotwin)

@@ -102,6 +102,12 @@ void Gateway::complain(Client& client, std::string_view text) {
   client.outbox.put_text(foxglove::status(Level::kError, text));
 }
 
+void Gateway::tell_operators(Level level, const std::string& text) {
+  for (Client& client : clients_) {
+    if (client.role == Role::kOperator) client.outbox.put_text(foxglove::status(level, text));
+  }
+}
+
 void Gateway::on_text(Client& client, std::string_view text) {
   try {
     const Json json = parsed<Json>(text);
@@ -259,6 +265,12 @@ void Gateway::request(Client& client, std::string_view json_text, std::int64_t n
       throw Error("no owner of rig " + rig_.name + " is heard: start gyrotwin-integrator or " +
                   "gyrotwin-hardware");
     }
+    if (request.verb == request_t::DISARM) {
+      if (const std::size_t forgotten = requests_.forget(); forgotten > 0) {
+        tell_operators(Level::kWarning, "disarm: forgets " + std::to_string(forgotten) +
+                                            " that the owner has not answered yet");
+      }
+    }
     if (!requests_.ask(request, now_ns)) throw Error("too many requests wait for an answer");
     ++counters_.requests;
   } catch (const std::exception& error) {
@@ -314,13 +326,11 @@ void Gateway::forget(std::int64_t now_ns) {
 
 void Gateway::on_timer(std::int64_t now_ns, std::uint64_t wall_ns) {
   forget(now_ns);
-  const bool answers = requests_.on_timer(now_ns);
+  if (!requests_.on_timer(now_ns)) {
+    tell_operators(Level::kError, "request: the owner of rig " + rig_.name + " does not answer");
+  }
   for (Client& client : clients_) {
     client.outbox.put(foxglove::time(wall_ns));
-    if (!answers && client.role == Role::kOperator) {
-      client.outbox.put_text(foxglove::status(
-          Level::kError, "request: the owner of rig " + rig_.name + " does not answer"));
-    }
     const std::int64_t dropped = client.outbox.dropped();
     if (dropped > client.drops_told) {
       client.outbox.put_text(foxglove::status(

@@ -81,6 +81,7 @@ class Gateway {
   void watch_parameters(Client& client, const Json& json, bool watch);
   void request(Client& client, std::string_view json_text, std::int64_t now_ns);
   void complain(Client& client, std::string_view text);
+  void tell_operators(foxglove::Level level, const std::string& text);
   void address(request_t& request) const;
   void forget(std::int64_t now_ns);
 

@@ -9,9 +9,6 @@ namespace gyrotwin {
 Requests::Requests(Send send) : send_(std::move(send)), writer_(random_id()) {}
 
 bool Requests::ask(request_t request, std::int64_t now_ns) {
-  if (request.verb == request_t::DISARM) {
-    std::erase_if(waiting_, [](const request_t& r) { return r.verb != request_t::DISARM; });
-  }
   if (waiting_.size() >= kMost) return false;
   if (request.writer == 0) {
     request.writer = writer_;
@@ -20,6 +17,10 @@ bool Requests::ask(request_t request, std::int64_t now_ns) {
   waiting_.push_back(request);
   if (waiting_.size() == 1) begin(now_ns);
   return true;
+}
+
+std::size_t Requests::forget() {
+  return std::erase_if(waiting_, [](const request_t& r) { return r.verb != request_t::DISARM; });
 }
 
 /// Sends the first for the first time.

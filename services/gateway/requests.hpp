@@ -19,10 +19,13 @@ class Requests {
 
   explicit Requests(Send send);
 
-  /// Puts a request in the queue; who asks without an identity gets the gateway's. A DISARM does
-  /// not wait: other requests that nobody has answered yet are forgotten, lest they act after it.
+  /// Puts a request in the queue; who asks without an identity gets the gateway's.
   /// @return false when too many wait
   bool ask(request_t request, std::int64_t now_ns);
+
+  /// Before a DISARM: forgets all requests that are not answered yet, but for earlier DISARMs, so
+  /// that it need not wait for them and they do not act after it. @return how many
+  std::size_t forget();
 
   /// Sends again what was not answered.
   /// @return false when the owner answers nothing: whatever waited is forgotten

@@ -12,8 +12,8 @@
 
 namespace gyrotwin::model {
 
-/// One evaluation for one shape: every index is a constant. All of it in one function, so that what
-/// one body's part leaves at 0 is known to be 0 in the next.
+/// One evaluation for one shape: every index is a constant. For doubles it is one function, so that
+/// what one body's part leaves at 0 is known to be 0 in the next; GCC needs to be told twice.
 template <Shape shape, class S>
 class Evaluator {
  public:
@@ -210,18 +210,20 @@ class Evaluator {
   MotionOf<S>& motion_;
 };
 
+// Static: who writes a shape out gets it as he compiles it, and nobody else does.
+
 /// For a tree of that shape.
 template <Shape shape, class S>
-[[gnu::flatten]] void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
-                                  const CoordinatesOf<S>& v, const Rotors& rotors,
-                                  const Support& support, MotionOf<S>& motion) noexcept {
+[[gnu::flatten]] static void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
+                                         const CoordinatesOf<S>& v, const Rotors& rotors,
+                                         const Support& support, MotionOf<S>& motion) noexcept {
   Evaluator<shape, S>(tree, v, rotors, motion).run(q, support);
 }
 
 /// The tree of that shape.
 /// @throws std::invalid_argument when bodies and gimbals are not as the shape says
 template <Shape shape>
-Tree make_tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals) {
+static Tree make_tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals) {
   return Tree(shape, {evaluate_as<shape, double>, evaluate_as<shape, Dual>}, std::move(bodies),
               std::move(gimbals));
 }

@@ -181,6 +181,9 @@ TEST_F(GatewayTest, DisarmWaitsForNobodyAndNothingComesAfterIt) {
   publish(client, 9, R"({"verb":"DISARM","writer":8,"counter":1})");
   ASSERT_EQ(sent_.size(), 2u);
   EXPECT_EQ(sent_[1].writer, 7);
+  const auto told_of = texts(client);
+  ASSERT_EQ(told_of.size(), 1u);
+  EXPECT_NE(told_of[0]["message"].get<std::string>().find("forgets 2"), std::string::npos);
 
   const auto answer = [&](std::int64_t writer) {
     reply_t reply{};
@@ -197,6 +200,19 @@ TEST_F(GatewayTest, DisarmWaitsForNobodyAndNothingComesAfterIt) {
   for (int i = 0; i < 2 * kMostAsks; ++i) gateway_.on_timer(now_ += kAskAgain, 0);
   EXPECT_EQ(sent_.size(), 3u);
   EXPECT_TRUE(texts(client).empty());
+}
+
+TEST_F(GatewayTest, DisarmFindsRoomWhereNothingElseDoes) {
+  Client& client = joined(Role::kOperator);
+  hear_owner();
+  advertise(client);
+  for (std::size_t i = 0; i < Requests::kMost; ++i) publish(client, 9, R"({"verb":"PAUSE"})");
+  EXPECT_TRUE(texts(client).empty());
+  publish(client, 9, R"({"verb":"ARM"})");
+  EXPECT_EQ(texts(client).size(), 1u);  // too many
+  publish(client, 9, R"({"verb":"DISARM"})");
+  ASSERT_EQ(sent_.size(), 2u);
+  EXPECT_EQ(sent_[1].verb, request_t::DISARM);
 }
 
 TEST_F(GatewayTest, ObserversOnlyLook) {

@@ -15,8 +15,8 @@
 #include "clients/log/export.hpp"
 #include "clients/log/export_field.hpp"
 #include "clients/log/selection.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 #include "tests/support/small_log.hpp"
 
 namespace gyrotwin {

@@ -11,8 +11,8 @@
 #include "clients/common/file_text.hpp"
 #include "clients/log/envelope.hpp"
 #include "clients/log/plot.hpp"
-#include "services/runtime/cli.hpp"
 #include "services/runtime/error.hpp"
+#include "services/runtime/exit_code.hpp"
 #include "tests/support/small_log.hpp"
 
 namespace gyrotwin {

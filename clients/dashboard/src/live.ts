@@ -92,7 +92,7 @@ export class Live {
     if (!this.connection.publish(1, signed)) return this.happen('bad', what, 'not asked: there is no connection');
     const timer = setTimeout(() => {
       this.asked.delete(signed.counter);
-      this.happen('bad', what, 'the owner of the rig does not answer');
+      this.happen('bad', what, 'not answered');
     }, PATIENCE);
     this.asked.set(signed.counter, {what, timer});
   }
