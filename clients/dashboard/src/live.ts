@@ -54,6 +54,7 @@ export class Live {
   private subscriptions = new Map<number, Subscribed>();
   private readonly writer = new Writer();
   private readonly asked = new Map<string, {what: string; timer: ReturnType<typeof setTimeout>}>();
+  private answered = '';  // the last request that was
   private readonly clock = new ClockDifference();
   private listening = false;
   private said = {health: '', falls: false, epoch: -1n, sequence: -1n};
@@ -262,6 +263,9 @@ export class Live {
   }
 
   private hearReply(reply: Reply): void {
+    const answered = `${reply.request_writer} ${reply.request_counter}`;
+    if (answered === this.answered) return;  // each time that it was asked again, the owner answers again
+    this.answered = answered;
     const own = reply.request_writer === this.writer.id ? this.asked.get(reply.request_counter.toString()) : undefined;
     if (own) {
       clearTimeout(own.timer);
