@@ -2,10 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "services/model/share.hpp"
 #include "services/model/sine_cosine.hpp"
 #include "services/model/tree.hpp"
 #include "services/model/unroll.hpp"
@@ -20,7 +20,7 @@ class Evaluator {
   Evaluator(const Tree& tree, const CoordinatesOf<S>& v, const Rotors& rotors, MotionOf<S>& motion)
       : tree_(tree), v_(v), rotors_(rotors), motion_(motion) {}
 
-  [[gnu::always_inline]] void run(const CoordinatesOf<S>& q, const Support& support) {
+  void run(const CoordinatesOf<S>& q, const Support& support) {
     sine_cosine<shape.coordinates>(q.data(), motion_.sin_q.data(), motion_.cos_q.data());
     motion_.f.setZero();
     count_to<shape.coordinates>([&](auto i) {
@@ -48,7 +48,7 @@ class Evaluator {
   /// The pivot, carried by the position parent: in its axes, or in the world's for a body that is
   /// turned against the world.
   template <int b>
-  [[gnu::always_inline]] void place(const Support& support) {
+  void place(const Support& support) {
     constexpr Shape::Joint joint = shape.bodies[b];
     FrameOf<S>& frame = motion_.frame[b];
     if constexpr (joint.position_parent == kGround) {
@@ -76,7 +76,7 @@ class Evaluator {
 
   /// The orientation, turned from the orientation parent's by the joint's rotations.
   template <int b>
-  [[gnu::always_inline]] void turn(const Support& support) {
+  void turn(const Support& support) {
     constexpr Shape::Joint joint = shape.bodies[b];
     FrameOf<S>& frame = motion_.frame[b];
     if constexpr (joint.orientation_parent == kGround) {
@@ -95,7 +95,7 @@ class Evaluator {
 
   /// R <- R Rot, and the same vectors in the turned axes: x <- Rot' x.
   template <int b, int r>
-  [[gnu::always_inline]] void turn() {
+  void turn() {
     constexpr Shape::Joint joint = shape.bodies[b];
     constexpr Rotation rotation = joint.rotations[r];
     constexpr int k = rotation.coordinate, e = static_cast<int>(rotation.axis);
@@ -128,9 +128,8 @@ class Evaluator {
 
   /// What a body with its gyros adds to M and f; all about its pivot.
   template <int b>
-  [[gnu::always_inline]] void load() {
+  void load() {
     constexpr Shape::Joint joint = shape.bodies[b];
-    using AnyMoments = std::conditional_t<joint.balanced, BalancedMoments<S>, Moments<S>>;
     const FrameOf<S>& frame = motion_.frame[b];
     const Vector3<S>&omega = frame.omega, &a = frame.a0, &alpha = frame.alpha0;
     const JacobianOf<S>&Jv = frame.Jv, &Jw = frame.Jw;
@@ -138,8 +137,8 @@ class Evaluator {
 
     // F and N, the force and the moment that the accelerations at q'' = 0 take.
     const double m = tree_.mass(b);
-    AnyMoments moments;
-    moments.add(S(1.0), tree_.moments(b));
+    Moments<S> moments;
+    moments.add(S(1.0), sparse<fixed_pattern(shape, b)>(tree_.moments(b)));
     Vector3<S> F = m * a;
     Vector3<S> N = Vector3<S>::Zero();
     momenta.swing.setZero();
@@ -155,37 +154,33 @@ class Evaluator {
         constexpr int k = shape.gimbals[g].coordinate;
         const Gimbal& gimbal = tree_.gimbals()[g];
         const S rate = v_[k];
-        const auto share =
-            gimbal.template at<AnyMoments>(motion_.cos_q[k], motion_.sin_q[k], rotors_);
+        const GimbalShare<S> share =
+            share_of<shape.gimbals[g].gyros>(gimbal, motion_.cos_q[k], motion_.sin_q[k], rotors_);
         const Vector3<S> turning = share.moments_q.second_times(omega);
         moments.add(share.moments);
-        momenta.swing += rate * share.moments_q.first_vector();
+        momenta.swing += rate * share.moments_q.first;
+        momenta.angular += rate * share.swing;
         momenta.rotors += share.h;
-        F -= (rate * rate) * share.moments.first_vector();
-        N += rate * (turning + share.h_q) + share.h_t;
-        motion_.f[k] +=
-            omega.dot(Vector3<S>(0.5 * turning + share.h_q)) - share.moments_q.first_dot(a);
+        F -= (rate * rate) * share.moments.first;
+        N += rate * (turning + share.h_q) + share.h_t + (rate * rate) * share.swing_q;
+        motion_.f[k] += omega.dot(Vector3<S>(0.5 * turning + share.h_q)) -
+                        share.moments_q.first.dot(a) - share.swing.dot(alpha);
         M(k, k) += gimbal.inertia();
-        each<joint.linear>([&](auto i) { M(k, i) += share.moments_q.first_dot(Jv[i]); });
-        if constexpr (!joint.balanced) {
-          momenta.angular += rate * share.swing;
-          N += (rate * rate) * share.swing_q;
-          motion_.f[k] -= share.swing.dot(alpha);
-          each<joint.angular>([&](auto i) { M(k, i) += share.swing.dot(Jw[i]); });
-        }
+        each<joint.linear>([&](auto i) { M(k, i) += share.moments_q.first.dot(Jv[i]); });
+        each<joint.angular>([&](auto i) { M(k, i) += share.swing.dot(Jw[i]); });
       }
     });
-    momenta.first_moment = moments.first_vector();
+    momenta.first_moment = moments.first;
     momenta.angular += moments.second_times(omega) + momenta.rotors;
-    N += moments.second_times(alpha) + moments.first_cross(a);
+    N += moments.second_times(alpha) + moments.first.cross(a);
     add_cross(N, omega, momenta.angular);
-    F -= moments.first_cross(alpha);
-    add_cross(F, omega, 2.0 * momenta.swing - moments.first_cross(omega));
+    F -= moments.first.cross(alpha);
+    add_cross(F, omega, 2.0 * momenta.swing - moments.first.cross(omega));
 
     // M_ij += Jv_i . p_j + Jw_i . l_j with the momenta p_j, l_j that a unit rate of q_j gives.
     each<joint.linear>([&](auto i) {
       const Vector3<S> m_Jv = m * Jv[i];
-      const Vector3<S> moment = moments.first_cross(Jv[i]);
+      const Vector3<S> moment = moments.first.cross(Jv[i]);
       motion_.f[i] -= Jv[i].dot(F);
       each<joint.linear>([&](auto j) {
         if constexpr (j <= i) M(i, j) += m_Jv.dot(Jv[j]);

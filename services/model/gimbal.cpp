@@ -33,29 +33,48 @@ Moments<double> moments_of(double mass, const Vector3d& cm, const Vector3d& iner
   return {mass * cm, packed(Matrix3d(inertia.asDiagonal()) + mass * steiner(cm))};
 }
 
-bool Gimbal::balanced() const {
+bool Gimbal::are(const Shape::Gyros& gyros) const {
   constexpr double kRounding = 1e-14;
-  const double inertia = fixed_.second.cwiseAbs().maxCoeff();
   double moment = 0.0;  // of masses at their distances
   for (const Gyro& g : gyros_) moment += g.mass * (g.pivot.norm() + std::abs(g.cm_distance));
-  const auto little = [&](const Moments<double>& x) {
-    return x.first.head<2>().cwiseAbs().maxCoeff() <= kRounding * moment &&
-           x.second.tail<3>().cwiseAbs().maxCoeff() <= kRounding * inertia;
+  const double inertia = terms_.fixed.second.cwiseAbs().maxCoeff();
+  const auto fits = [](const auto& x, unsigned pattern, double scale) {
+    for (int i = 0; i < x.size(); ++i) {
+      if (!(pattern >> i & 1) && !(std::abs(x[i]) <= kRounding * scale)) return false;
+    }
+    return true;
   };
-  const double swing =
-      std::max({swing_fixed_.cwiseAbs().maxCoeff(), swing_cosine_.cwiseAbs().maxCoeff(),
-                swing_sine_.cwiseAbs().maxCoeff()});
-  return little(fixed_) && little(cosine_) && little(sine_) && little(cosine2_) && little(sine2_) &&
-         swing <= kRounding * inertia;
+  const auto moments_fit = [&](const Moments<double>& x, const MomentsPattern& pattern) {
+    return fits(x.first, pattern.first, moment) && fits(x.second, pattern.second, inertia);
+  };
+  for (const Gyro& g : gyros_) {
+    const int rotor = g.rotor_index - gyros.first_rotor;
+    if (rotor < 0 || rotor >= gyros.rotors || !fits(g.axis, gyros.axis, 1.0) ||
+        !fits(g.raised, gyros.raised, 1.0)) {
+      return false;
+    }
+  }
+  const GimbalPattern p = pattern_of(gyros);
+  return moments_fit(terms_.fixed, p.fixed) && moments_fit(terms_.cosine, p.cosine) &&
+         moments_fit(terms_.sine, p.sine) && moments_fit(terms_.cosine2, p.cosine2) &&
+         moments_fit(terms_.sine2, p.sine2) && fits(terms_.swing_fixed, p.swing_fixed, inertia) &&
+         fits(terms_.swing_cosine, p.swing_cosine, inertia) &&
+         fits(terms_.swing_sine, p.swing_sine, inertia);
 }
 
 Gimbal::Gimbal(std::vector<Gyro> gyros) : gyros_(std::move(gyros)) {
   if (gyros_.size() > kMaxRotors) throw std::invalid_argument("gimbal: at most 4 gyros");
+  terms_.swing_fixed = terms_.swing_cosine = terms_.swing_sine = Vector3d::Zero();
   for (std::size_t j = 0; j < gyros_.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     pivots_.row(row) = gyros_[j].pivot.transpose();
     axes_.row(row) = gyros_[j].axis.transpose();
     raised_axes_.row(row) = gyros_[j].raised.transpose();
+    if (gyros_[j].rotor_index < 0 || gyros_[j].rotor_index >= kMaxRotors) {
+      throw std::invalid_argument("gimbal: no such rotor");
+    }
+    momentum_.row(gyros_[j].rotor_index) += gyros_[j].rotor_inertia * axes_.row(row);
+    raised_momentum_.row(gyros_[j].rotor_index) += gyros_[j].rotor_inertia * raised_axes_.row(row);
     add(gyros_[j]);
   }
 }
@@ -71,25 +90,25 @@ void Gimbal::add(const Gyro& g) {
   mass_ += g.mass;
   inertia_ += about_hinge;
 
-  fixed_.first += g.mass * r;
-  cosine_.first += md * g.axis;
-  sine_.first += md * g.raised;
+  terms_.fixed.first += g.mass * r;
+  terms_.cosine.first += md * g.axis;
+  terms_.sine.first += md * g.raised;
 
   const auto mixed = [&](const Vector3d& s) -> Matrix3d {
     return md * (2.0 * r.dot(s) * one - twice_symmetric(r, s));
   };
   const double k = 0.5 * (g.axial_inertia - about_hinge);
   const Matrix3d aa = g.axis * g.axis.transpose(), bb = g.raised * g.raised.transpose();
-  fixed_.second += packed(about_hinge * one + g.mass * steiner(r) + k * (aa + bb));
-  cosine_.second += packed(mixed(g.axis));
-  sine_.second += packed(mixed(g.raised));
-  cosine2_.second += packed(k * (aa - bb));
-  sine2_.second += packed(k * twice_symmetric(g.axis, g.raised));
+  terms_.fixed.second += packed(about_hinge * one + g.mass * steiner(r) + k * (aa + bb));
+  terms_.cosine.second += packed(mixed(g.axis));
+  terms_.sine.second += packed(mixed(g.raised));
+  terms_.cosine2.second += packed(k * (aa - bb));
+  terms_.sine2.second += packed(k * twice_symmetric(g.axis, g.raised));
 
   // r x m d ds/dq, and the turning itself.
-  swing_fixed_ += about_hinge * hinge;
-  swing_cosine_ += md * r.cross(g.raised);
-  swing_sine_ -= md * r.cross(g.axis);
+  terms_.swing_fixed += about_hinge * hinge;
+  terms_.swing_cosine += md * r.cross(g.raised);
+  terms_.swing_sine -= md * r.cross(g.axis);
 }
 
 }  // namespace gyrotwin::model

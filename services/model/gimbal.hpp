@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "services/model/dual.hpp"
-#include "services/model/shape.hpp"
+#include "services/model/pattern.hpp"
 
 namespace gyrotwin::model {
 
@@ -39,36 +39,11 @@ struct Moments {
     first += other.first;
     second += other.second;
   }
-  Vector3<S> first_vector() const { return first; }
-  S first_dot(const Vector3<S>& x) const { return first.dot(x); }
-  Vector3<S> first_cross(const Vector3<S>& x) const { return first.cross(x); }
   Vector3<S> second_times(const Vector3<S>& x) const {
     const auto& J = second;
     return {J[0] * x[0] + J[3] * x[1] + J[4] * x[2], J[3] * x[0] + J[1] * x[1] + J[5] * x[2],
             J[4] * x[0] + J[5] * x[1] + J[2] * x[2]};
   }
-};
-
-/// The same of a balanced body: the first along z, the second diagonal.
-template <class S>
-struct BalancedMoments {
-  S first = S(0.0);
-  Vector3<S> second = Vector3<S>::Zero();
-
-  void add(const S& k, const Moments<double>& other) {
-    first += k * other.first.z();
-    second += k * other.second.template head<3>();
-  }
-  void add(const BalancedMoments& other) {
-    first += other.first;
-    second += other.second;
-  }
-  Vector3<S> first_vector() const { return {S(0.0), S(0.0), first}; }
-  S first_dot(const Vector3<S>& x) const { return first * x[2]; }
-  Vector3<S> first_cross(const Vector3<S>& x) const {
-    return {-first * x[1], first * x[0], S(0.0)};
-  }
-  Vector3<S> second_times(const Vector3<S>& x) const { return second.cwiseProduct(x); }
 };
 
 /// Of a rigid body. @param inertia principal, about cm, in the axes of `cm` [kg m^2]
@@ -88,20 +63,12 @@ struct Gyro {
   int rotor_index;         ///< which rotor speed drives it
 };
 
-/// What a gimbal adds to its carrier at one angle; x_q is dx/dq. About the carrier's pivot, in its
-/// axes.
-template <class S, class AnyMoments>
-struct GimbalShare {
-  AnyMoments moments, moments_q;  ///< of the moments the part that varies
-  Vector3<S> swing, swing_q;      ///< angular momentum of a unit rate of q [kg m^2]
-  Vector3<S> h, h_q, h_t;         ///< rotor momentum [N m s], and by time
-};
-
 /// Gyros that turn on one body by one angle q, geared 1 : 1 or 1 : -1. All that they add to the
 /// body's inertia is a trigonometric polynomial in q, however many they are.
 class Gimbal {
  public:
   using Rows = Eigen::Array<double, kMaxRotors, 3>;
+  using Terms = GimbalTerms<Moments<double>, Eigen::Vector3d>;
 
   /// @throws std::invalid_argument for more than 4 gyros
   explicit Gimbal(std::vector<Gyro> gyros);
@@ -113,17 +80,17 @@ class Gimbal {
   const Rows& raised_axes() const { return raised_axes_; }
 
   double mass() const { return mass_; }
-  /// What of the gyros' moments does not depend on q.
-  const Moments<double>& fixed() const { return fixed_; }
   /// Of all gyros about their hinges [kg m^2].
   double inertia() const { return inertia_; }
-  /// Whether the gyros leave a balanced body balanced and have no swing; but for rounding.
-  bool balanced() const;
+  /// Whether the gyros lie so; but for rounding.
+  bool are(const Shape::Gyros& gyros) const;
 
-  /// @tparam AnyMoments Moments<S>, or BalancedMoments<S> without the swing
-  /// @param c, s cosine and sine of q
-  template <class AnyMoments, class S>
-  GimbalShare<S, AnyMoments> at(const S& c, const S& s, const Rotors& rotors) const noexcept;
+  /// What they add to their carrier, about its pivot and in its axes.
+  const Terms& terms() const { return terms_; }
+  /// Of each rotor's momentum at unit speed what lies along its gyro's axes, one row a rotor
+  /// [kg m^2].
+  const Rows& momentum() const { return momentum_; }
+  const Rows& raised_momentum() const { return raised_momentum_; }
 
  private:
   void add(const Gyro& gyro);
@@ -132,42 +99,8 @@ class Gimbal {
   Rows pivots_ = Rows::Zero(), axes_ = Rows::Zero(), raised_axes_ = Rows::Zero();
   double mass_ = 0.0;
   double inertia_ = 0.0;
-  // The polynomials' coefficients: of 1, cos q, sin q, cos 2q, sin 2q.
-  Moments<double> fixed_, cosine_, sine_, cosine2_, sine2_;
-  Eigen::Vector3d swing_fixed_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d swing_cosine_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d swing_sine_ = Eigen::Vector3d::Zero();
+  Terms terms_;
+  Rows momentum_ = Rows::Zero(), raised_momentum_ = Rows::Zero();
 };
-
-template <class AnyMoments, class S>
-GimbalShare<S, AnyMoments> Gimbal::at(const S& c, const S& s, const Rotors& rotors) const noexcept {
-  GimbalShare<S, AnyMoments> share;
-  const S c2 = c * c - s * s, s2 = 2.0 * c * s;
-  share.moments.add(c, cosine_);
-  share.moments.add(s, sine_);
-  share.moments.add(c2, cosine2_);
-  share.moments.add(s2, sine2_);
-  share.moments_q.add(-s, cosine_);
-  share.moments_q.add(c, sine_);
-  share.moments_q.add(-2.0 * s2, cosine2_);
-  share.moments_q.add(2.0 * c2, sine2_);
-  share.swing = swing_fixed_ + (c * swing_cosine_ + s * swing_sine_);
-  share.swing_q = c * swing_sine_ - s * swing_cosine_;
-
-  Eigen::Vector3d h_axis = Eigen::Vector3d::Zero(), h_raised = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rate_axis = Eigen::Vector3d::Zero(), rate_raised = Eigen::Vector3d::Zero();
-  for (const Gyro& g : gyros_) {
-    const double h = g.rotor_inertia * rotors.speed[g.rotor_index];
-    const double h_rate = g.rotor_inertia * rotors.rate[g.rotor_index];
-    h_axis += h * g.axis;
-    h_raised += h * g.raised;
-    rate_axis += h_rate * g.axis;
-    rate_raised += h_rate * g.raised;
-  }
-  share.h = c * h_axis + s * h_raised;
-  share.h_q = c * h_raised - s * h_axis;
-  share.h_t = c * rate_axis + s * rate_raised;
-  return share;
-}
 
 }  // namespace gyrotwin::model

@@ -18,12 +18,21 @@ enum class Arrangement : std::uint8_t {
 
 /// The one body is the chassis.
 constexpr Shape shape_of(Arrangement arrangement) {
-  if (arrangement == Arrangement::kTwoPairs) {
-    return Shape().hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}}).gimbal(0).gimbal(0);
-  }
+  Shape::Gyros gyros;
+  gyros.pivot = gyros.axis = kAlongZ;
+  gyros.raised = kAlongX;
+  gyros.centred = true;
+  gyros.rotors = 1;
   Shape on_line = Shape().hang(kGround, kGround, {{Axis::kX, 0}});
-  if (arrangement == Arrangement::kSingle) on_line.unbalanced();
-  return on_line.gimbal(0);
+  if (arrangement == Arrangement::kSingle) return on_line.gimbal(0, gyros);
+  gyros.axis = kAlongY;
+  gyros.balanced = true;
+  gyros.rotors = 2;
+  if (arrangement == Arrangement::kPair) return on_line.gimbal(0, gyros);
+  Shape on_point = Shape().hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}}).gimbal(0, gyros);
+  std::swap(gyros.axis, gyros.raised);
+  gyros.first_rotor = 2;
+  return on_point.gimbal(0, gyros);
 }
 
 /// SI units; symbols as in README.md.

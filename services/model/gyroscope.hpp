@@ -11,7 +11,7 @@ inline constexpr int kPrecession = 0, kElevation = 1;  ///< coordinates of a gyr
 inline constexpr Shape kGyroscopeShape =
     Shape()
         .hang(kGround, kGround, {{Axis::kZ, kPrecession}, {Axis::kY, kElevation, -1}})
-        .unbalanced()
+        .cm_along(kAlongX)
         .with_rotor()
         .hang(kGround, kGround, {{Axis::kZ, kPrecession}});
 

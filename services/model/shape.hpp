@@ -20,6 +20,10 @@ inline constexpr int kGround = -1;
 
 enum class Axis : std::uint8_t { kX = 0, kY = 1, kZ = 2 };
 
+/// Along which axes of a frame something can lie, as a sum of these.
+using Axes = unsigned;
+inline constexpr Axes kAlongX = 1, kAlongY = 2, kAlongZ = 4, kAnywhere = 7;
+
 /// A turn by `sense * q[coordinate]` about an axis of the frame reached so far.
 struct Rotation {
   Axis axis = Axis::kZ;
@@ -63,12 +67,10 @@ struct Shape {
     int position_parent = kGround;     ///< carries the pivot: the ground, or body 0
     int orientation_parent = kGround;  ///< the position parent, or the ground
     ShortList<Rotation, 4> rotations;  ///< from the orientation parent to the body
+    Axes cm = kAlongZ;                 ///< of the body without its gyros, from its pivot
     bool has_rotor = false;            ///< of constant direction in the body
-    /// With its gyros at any angle: cm on z, principal axes, and gyros that turn leave no momentum
-    /// of turning.
-    bool balanced = true;
-    IndexList linear;   ///< coordinates that move the pivot
-    IndexList angular;  ///< coordinates that turn the body
+    IndexList linear;                  ///< coordinates that move the pivot
+    IndexList angular;                 ///< coordinates that turn the body
 
     /// Of `angular` those that turn the orientation parent.
     constexpr IndexList inherited() const {
@@ -77,9 +79,21 @@ struct Shape {
       return list;
     }
   };
+  /// How the gyros of one gimbal lie in their carrier's axes; by default anyhow.
+  struct Gyros {
+    Axes pivot = kAnywhere;
+    Axes axis = kAnywhere;    ///< spin axis at angle 0
+    Axes raised = kAnywhere;  ///< spin axis at angle 90 deg
+    bool centred = false;     ///< cm on the hinge
+    /// Alike all around z: at every angle the carrier's cm stays on z and its axes principal, and
+    /// turning gyros have no angular momentum but their rotors'.
+    bool balanced = false;
+    int first_rotor = 0, rotors = kMaxRotors;  ///< which ones they carry
+  };
   struct Hinge {
     int carrier = 0;
     int coordinate = 0;
+    Gyros gyros;
   };
 
   int coordinates = 0;
@@ -113,8 +127,8 @@ struct Shape {
   }
 
   /// Of the body added last.
-  constexpr Shape& unbalanced() {
-    bodies.item[static_cast<std::size_t>(bodies.size - 1)].balanced = false;
+  constexpr Shape& cm_along(Axes axes) {
+    bodies.item[static_cast<std::size_t>(bodies.size - 1)].cm = axes;
     return *this;
   }
   constexpr Shape& with_rotor() {
@@ -123,8 +137,8 @@ struct Shape {
   }
 
   /// Adds gyros that turn on a body by the next coordinate.
-  constexpr Shape& gimbal(int carrier) {
-    gimbals.add({carrier, coordinates++});
+  constexpr Shape& gimbal(int carrier, const Gyros& gyros) {
+    gimbals.add({carrier, coordinates++, gyros});
     return *this;
   }
 };

@@ -31,20 +31,22 @@ Tree::Tree(const Shape& shape, Evaluations evaluations, std::vector<Body> bodies
       throw std::invalid_argument("tree: body " + std::to_string(b) +
                                   " has a rotor that its shape has not: with_rotor()");
     }
-    if (shape_.bodies[b].balanced && !body.cm.head<2>().isZero(0)) {
-      throw std::invalid_argument("tree: body " + std::to_string(b) +
-                                  " is balanced but has its centre of mass off z: unbalanced()");
+    for (int axis = 0; axis < 3; ++axis) {
+      if (body.cm[axis] != 0.0 && !(shape_.bodies[b].cm >> axis & 1)) {
+        throw std::invalid_argument("tree: body " + std::to_string(b) +
+                                    " has its centre of mass off its shape's axes: cm_along()");
+      }
     }
   }
   for (int g = 0; g < shape_.gimbals.size; ++g) {
     const int b = shape_.gimbals[g].carrier;
     const Gimbal& gimbal = gimbals_[g];
     mass_[b] += gimbal.mass();
-    moments_[b].add(gimbal.fixed());
+    moments_[b].add(gimbal.terms().fixed);
     for (const Gyro& gyro : gimbal.gyros()) take_rotor(gyro.rotor_index, gyro.rotor_inertia);
-    if (shape_.bodies[b].balanced && !gimbal.balanced()) {
-      throw std::invalid_argument("tree: body " + std::to_string(b) +
-                                  " is balanced but its gyros are not alike: unbalanced()");
+    if (!gimbal.are(shape_.gimbals[g].gyros)) {
+      throw std::invalid_argument("tree: the gyros of gimbal " + std::to_string(g) +
+                                  " do not lie as its shape says: gimbal()");
     }
   }
 }

@@ -19,11 +19,15 @@ enum class Mount : std::uint8_t {
 constexpr Shape shape_of(Mount mount) {
   using Turns = ShortList<Rotation, 4>;
   const bool free = mount == Mount::kUniversalJoint;
+  Shape::Gyros gyros;
+  gyros.axis = kAlongX + kAlongY;
+  gyros.raised = kAlongZ;
+  gyros.balanced = true;
   return Shape()
       .hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}})
       .hang(0, mount == Mount::kRigid ? 0 : kGround,
             free ? Turns{{Axis::kX, 2}, {Axis::kY, 3}, {Axis::kZ, 4}} : Turns{{Axis::kZ, 2}})
-      .gimbal(1);
+      .gimbal(1, gyros);
 }
 
 /// What the outer axles ride on.

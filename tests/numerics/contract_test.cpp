@@ -23,9 +23,15 @@ using model::Shape;
 
 constexpr Shape kPlain = Shape().hang(kGround, kGround, {{Axis::kX, 0}});
 constexpr Shape kTurning = Shape(kPlain).with_rotor();
-constexpr Shape kCarrying = Shape(kPlain).gimbal(0);
 
-/// About the z axis of the body that carries it.
+constexpr Shape carrying(const Shape::Gyros& gyros) { return Shape(kPlain).gimbal(0, gyros); }
+constexpr Shape::Gyros kHorizontal{.pivot = model::kAlongZ,
+                                   .axis = model::kAlongX,
+                                   .raised = model::kAlongY,
+                                   .first_rotor = 1,
+                                   .rotors = 1};
+
+/// Turns about the z axis of the body that carries it.
 Gyro gyro(int rotor_index) {
   return {.pivot = {0, 0, 1},
           .axis = {1, 0, 0},
@@ -54,22 +60,55 @@ TEST(TreeContract, RefusesWhatItsShapeIsNot) {
   EXPECT_EQ(refusal<kPlain>({plain}, {}), "");
   EXPECT_EQ(refusal<kPlain>({}, {}), numbers);
   EXPECT_EQ(refusal<kPlain>({plain, plain}, {}), numbers);
-  EXPECT_EQ(refusal<kCarrying>({plain}, {}), numbers);
+  EXPECT_EQ(refusal<carrying({})>({plain}, {}), numbers);
   EXPECT_EQ(refusal<kTurning>({plain}, {}), "tree: no such rotor");
   Body body;
   body.rotor_index = 4;
   EXPECT_EQ(refusal<kTurning>({body}, {}), "tree: no such rotor");
-  EXPECT_EQ(refusal<kCarrying>({plain}, {Gimbal({gyro(4)})}), "tree: no such rotor");
   body.rotor_index = 0;
   EXPECT_EQ(refusal<kPlain>({body}, {}),
             "tree: body 0 has a rotor that its shape has not: with_rotor()");
   body = plain;
   body.cm = {0.1, 0, 0};
   EXPECT_EQ(refusal<kPlain>({body}, {}),
-            "tree: body 0 is balanced but has its centre of mass off z: unbalanced()");
-  EXPECT_EQ(refusal<kCarrying>({plain}, {Gimbal({gyro(0)})}),
-            "tree: body 0 is balanced but its gyros are not alike: unbalanced()");
+            "tree: body 0 has its centre of mass off its shape's axes: cm_along()");
+}
+
+template <Shape::Gyros gyros>
+bool fits(const Gyro& gyro) {
+  const std::string error = refusal<carrying(gyros)>({Body()}, {Gimbal({gyro})});
+  EXPECT_TRUE(error.empty() ||
+              error == "tree: the gyros of gimbal 0 do not lie as its shape says: gimbal()");
+  return error.empty();
+}
+
+constexpr Shape::Gyros with_centre_on_hinge(Shape::Gyros gyros) {
+  gyros.centred = true;
+  return gyros;
+}
+constexpr Shape::Gyros balanced(Shape::Gyros gyros) {
+  gyros.balanced = true;
+  return gyros;
+}
+
+TEST(TreeContract, RefusesGyrosThatDoNotLieAsItsShapeSays) {
   EXPECT_THROW(Gimbal(std::vector<Gyro>(5, gyro(0))), std::invalid_argument);
+  EXPECT_THROW(Gimbal({gyro(4)}), std::invalid_argument);
+  EXPECT_TRUE(fits<Shape::Gyros{}>(gyro(0)));
+  EXPECT_TRUE(fits<kHorizontal>(gyro(1)));
+  EXPECT_FALSE(fits<kHorizontal>(gyro(0)));
+  EXPECT_FALSE(fits<kHorizontal>(gyro(2)));
+  EXPECT_FALSE(fits<with_centre_on_hinge(kHorizontal)>(gyro(1)));
+  EXPECT_FALSE(fits<balanced(kHorizontal)>(gyro(1)));
+  Gyro off = gyro(1);
+  off.pivot.y() = 0.1;
+  EXPECT_FALSE(fits<kHorizontal>(off));
+  Gyro tilted = gyro(1);
+  tilted.axis = {0.6, 0, 0.8};
+  EXPECT_FALSE(fits<kHorizontal>(tilted));
+  Gyro vertical = gyro(1);
+  vertical.raised = {0, 0, 1};
+  EXPECT_FALSE(fits<kHorizontal>(vertical));
 }
 
 TEST(BuilderContract, UmbrellaHasThreeOrFourGyros) {

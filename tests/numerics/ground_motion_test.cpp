@@ -59,7 +59,7 @@ Trees trees_of(const Machine& machine) {
 constexpr Shape kHeldDisc = Shape()
                                 .hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}})
                                 .hang(0, kGround, {{Axis::kX, 2}, {Axis::kY, 3}})
-                                .gimbal(1);
+                                .gimbal(1, {});
 
 /// As every_machine() has them.
 constexpr Trees (*kTreesOf[])(const Machine&) = {

@@ -1,0 +1,82 @@
+// What of a body's moments is zero whatever its numbers are, from how a shape says that it lies.
+// Derivation: README.md, section 2.
+#pragma once
+
+#include "services/model/shape.hpp"
+
+namespace gyrotwin::model {
+
+/// Which elements of Moments can differ from 0, bit by bit in their order.
+struct MomentsPattern {
+  Axes first = 0;
+  unsigned second = 0;
+
+  constexpr MomentsPattern operator|(const MomentsPattern& o) const {
+    return {first | o.first, second | o.second};
+  }
+  constexpr MomentsPattern operator&(const MomentsPattern& o) const {
+    return {first & o.first, second & o.second};
+  }
+};
+
+inline constexpr unsigned kDiagonal = 0b000111;
+
+/// What a gimbal adds to its carrier is a trigonometric polynomial of second degree in q. Its
+/// coefficients, those of 1, cos q, sin q, cos 2q, sin 2q, or which of their elements can differ
+/// from 0.
+template <class AnyMoments, class AnyVector>
+struct GimbalTerms {
+  AnyMoments fixed{}, cosine{}, sine{}, cosine2{}, sine2{};
+  AnyVector swing_fixed{}, swing_cosine{}, swing_sine{};
+};
+using GimbalPattern = GimbalTerms<MomentsPattern, Axes>;
+
+/// Of a b' + b a'.
+constexpr unsigned product_pattern(Axes a, Axes b) {
+  const auto mixed = [&](int i, int j) { return ((a >> i & b >> j) | (a >> j & b >> i)) & 1U; };
+  return (a & b) | mixed(0, 1) << 3 | mixed(0, 2) << 4 | mixed(1, 2) << 5;
+}
+
+/// Of a x b.
+constexpr Axes cross_pattern(Axes a, Axes b) {
+  const unsigned mixed = product_pattern(a, b) >> 3;  // xy, xz, yz
+  return mixed >> 2 | (mixed & 2) | (mixed & 1) << 2;
+}
+
+/// Of a body without gyros.
+constexpr MomentsPattern pattern_of(const Shape::Joint& joint) {
+  return {joint.cm, kDiagonal | product_pattern(joint.cm, joint.cm)};
+}
+
+constexpr GimbalPattern pattern_of(const Shape::Gyros& g) {
+  const unsigned axes = product_pattern(g.axis, g.axis) | product_pattern(g.raised, g.raised);
+  GimbalPattern p;
+  p.fixed = {g.pivot, kDiagonal | product_pattern(g.pivot, g.pivot) | axes};
+  p.cosine2.second = axes;
+  p.sine2.second = product_pattern(g.axis, g.raised);
+  p.swing_fixed = cross_pattern(g.axis, g.raised);
+  if (!g.centred) {
+    p.cosine = {g.axis, kDiagonal | product_pattern(g.pivot, g.axis)};
+    p.sine = {g.raised, kDiagonal | product_pattern(g.pivot, g.raised)};
+    p.swing_cosine = cross_pattern(g.pivot, g.raised);
+    p.swing_sine = cross_pattern(g.pivot, g.axis);
+  }
+  if (g.balanced) {
+    for (MomentsPattern* moments : {&p.fixed, &p.cosine, &p.sine, &p.cosine2, &p.sine2}) {
+      *moments = *moments & MomentsPattern{kAlongZ, kDiagonal};
+    }
+    p.swing_fixed = p.swing_cosine = p.swing_sine = 0;
+  }
+  return p;
+}
+
+/// Of a body with what of its gyros' moments does not vary.
+constexpr MomentsPattern fixed_pattern(const Shape& shape, int body) {
+  MomentsPattern p = pattern_of(shape.bodies[body]);
+  for (const Shape::Hinge& hinge : shape.gimbals) {
+    if (hinge.carrier == body) p = p | pattern_of(hinge.gyros).fixed;
+  }
+  return p;
+}
+
+}  // namespace gyrotwin::model
