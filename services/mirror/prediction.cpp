@@ -69,7 +69,7 @@ Coordinates Prediction::accelerate(const State& state, const model::RotorSpeeds&
     input_.moment[i] = moment_[i] * motion.M(tilt, tilt) / modelled;
   }
   const Coordinates force = motion.f + model::all_forces(machine_, motion, state, input_);
-  Coordinates acceleration = model::solve(motion.M, force, machine_.coordinates());
+  Coordinates acceleration = machine_.tree.solve(motion.M, force);
   if (input_.mode == model::DriveMode::kBrake) calm_down(motion, state, acceleration);
   return acceleration;
 }

@@ -14,18 +14,15 @@ using VectorPerGyro = Eigen::Array<S, kMaxRotors, 3>;
 /// The disc against the structure.
 template <class S>
 struct DiscMotionOf {
-  Eigen::Matrix<S, 3, 3> R;  ///< structure <- disc
-  Vector3<S> omega;          ///< angular velocity against the structure, disc axes [rad/s]
+  const Matrix3<S>& R;  ///< structure <- disc
+  Vector3<S> omega;     ///< angular velocity against the structure, disc axes [rad/s]
 };
 
 template <class S>
 DiscMotionOf<S> disc_motion(const Machine& machine, const MotionOf<S>& motion) noexcept {
   const FrameOf<S>& structure = motion.frame[0];
   const FrameOf<S>& disc = motion.frame[machine.disc_body];
-  DiscMotionOf<S> relative;
-  relative.R = structure.R.transpose() * disc.R;
-  relative.omega = disc.omega - relative.R.transpose() * structure.omega;
-  return relative;
+  return {disc.R_carrier, disc.omega - disc.R_carrier.transpose() * structure.omega};
 }
 
 /// How far the axle tips are into a side of the track, and how fast they go deeper.

@@ -37,7 +37,7 @@ CoordinatesOf<S> accelerate(const Machine& machine, const StateOf<S>& state, con
                             const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
   evaluate(machine, state, input, rotor_rate, motion);
   const CoordinatesOf<S> force = motion.f + all_forces(machine, motion, state, input);
-  return solve(motion.M, force, machine.coordinates());
+  return machine.tree.solve(motion.M, force);
 }
 
 template void evaluate(const Machine&, const State&, const Input&, const RotorSpeeds&,

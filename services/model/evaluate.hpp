@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -27,8 +29,8 @@ class Evaluator {
       for (int j = 0; j <= i; ++j) M(i, j) = 0.0;
     });
     count_to<shape.bodies.size>([&](auto b) {
-      place<b>(support);
       turn<b>(support);
+      place<b>(support);
       load<b>();
     });
   }
@@ -45,57 +47,36 @@ class Evaluator {
   /// The element in the lower triangle.
   S& M(int i, int j) { return motion_.M(std::max(i, j), std::min(i, j)); }
 
-  /// The pivot, carried by the position parent: in its axes, or in the world's for a body that is
-  /// turned against the world.
-  template <int b>
-  void place(const Support& support) {
-    constexpr Shape::Joint joint = shape.bodies[b];
-    FrameOf<S>& frame = motion_.frame[b];
-    if constexpr (joint.position_parent == kGround) {
-      frame.a0 = support.acceleration.cast<S>();
-    } else {
-      constexpr Shape::Joint carrier = shape.bodies[joint.position_parent];
-      const FrameOf<S>& parent = motion_.frame[joint.position_parent];
-      const Vector3<S> rho = tree_.bodies()[b].pivot.template cast<S>();
-      Vector3<S> v_rho = Vector3<S>::Zero();
-      add_cross(v_rho, parent.omega, rho);
-      frame.a0 = parent.a0;
-      add_cross(frame.a0, parent.alpha0, rho);
-      add_cross(frame.a0, parent.omega, v_rho);
-      each<joint.linear>([&](auto i) {
-        frame.Jv[i].setZero();
-        if constexpr (carrier.linear.has(i)) frame.Jv[i] = parent.Jv[i];
-        if constexpr (carrier.angular.has(i)) add_cross(frame.Jv[i], parent.Jw[i], rho);
-      });
-      if constexpr (joint.orientation_parent == kGround) {
-        frame.a0 = parent.R * frame.a0;
-        each<joint.linear>([&](auto i) { frame.Jv[i] = parent.R * frame.Jv[i]; });
-      }
-    }
-  }
-
   /// The orientation, turned from the orientation parent's by the joint's rotations.
   template <int b>
   void turn(const Support& support) {
     constexpr Shape::Joint joint = shape.bodies[b];
     FrameOf<S>& frame = motion_.frame[b];
+    Matrix3<S> turned = Matrix3<S>::Identity();
     if constexpr (joint.orientation_parent == kGround) {
-      frame.R.setIdentity();
       frame.omega = {S(0.0), S(0.0), S(support.yaw_rate)};
       frame.alpha0.setZero();
     } else {
       const FrameOf<S>& parent = motion_.frame[joint.orientation_parent];
-      frame.R = parent.R;
       frame.omega = parent.omega;
       frame.alpha0 = parent.alpha0;
       each<joint.inherited()>([&](auto i) { frame.Jw[i] = parent.Jw[i]; });
     }
-    count_to<joint.rotations.size>([&](auto r) { turn<b, r>(); });
+    count_to<joint.rotations.size>([&](auto r) { turn<b, r>(turned); });
+
+    if constexpr (joint.position_parent == kGround) {
+      frame.R = frame.R_carrier = turned;
+    } else {
+      const Matrix3<S>& R_parent = motion_.frame[joint.position_parent].R;
+      constexpr bool by_ground = joint.orientation_parent == kGround;
+      frame.R = by_ground ? turned : Matrix3<S>(R_parent * turned);
+      frame.R_carrier = by_ground ? Matrix3<S>(R_parent.transpose() * turned) : turned;
+    }
   }
 
-  /// R <- R Rot, and the same vectors in the turned axes: x <- Rot' x.
+  /// R <- R Rot, and x <- Rot' x for the vectors of the body.
   template <int b, int r>
-  void turn() {
+  void turn(Matrix3<S>& R) {
     constexpr Shape::Joint joint = shape.bodies[b];
     constexpr Rotation rotation = joint.rotations[r];
     constexpr int k = rotation.coordinate, e = static_cast<int>(rotation.axis);
@@ -107,13 +88,11 @@ class Evaluator {
       x[e1] = c * x1 + s * x2;
       x[e2] = c * x2 - s * x1;
     };
-    const Vector3<S> R1 = frame.R.col(e1), R2 = frame.R.col(e2);
-    frame.R.col(e1) = c * R1 + s * R2;
-    frame.R.col(e2) = c * R2 - s * R1;
+    const Vector3<S> R1 = R.col(e1), R2 = R.col(e2);
+    R.col(e1) = c * R1 + s * R2;
+    R.col(e2) = c * R2 - s * R1;
     resolve(frame.omega);
     resolve(frame.alpha0);
-    resolve(frame.a0);
-    each<joint.linear>([&](auto j) { resolve(frame.Jv[j]); });
     each<joint.inherited()>([&](auto j) { resolve(frame.Jw[j]); });
     count_to<r>([&](auto before) { resolve(frame.Jw[joint.rotations[before].coordinate]); });
 
@@ -124,6 +103,31 @@ class Evaluator {
     frame.omega[e] += rate;
     frame.Jw[k].setZero();
     frame.Jw[k][e] = rotation.sense;
+  }
+
+  /// The pivot's motion, which the position parent gives it.
+  template <int b>
+  void place(const Support& support) {
+    constexpr Shape::Joint joint = shape.bodies[b];
+    FrameOf<S>& frame = motion_.frame[b];
+    if constexpr (joint.position_parent == kGround) {
+      frame.a0 = frame.R.transpose() * support.acceleration.cast<S>();
+    } else {
+      constexpr Shape::Joint carrier = shape.bodies[joint.position_parent];
+      const FrameOf<S>& parent = motion_.frame[joint.position_parent];
+      const Vector3<S> rho = tree_.bodies()[b].pivot.template cast<S>();
+      Vector3<S> v_rho = Vector3<S>::Zero(), a = parent.a0;
+      add_cross(v_rho, parent.omega, rho);
+      add_cross(a, parent.alpha0, rho);
+      add_cross(a, parent.omega, v_rho);
+      frame.a0 = frame.R_carrier.transpose() * a;
+      each<joint.linear>([&](auto i) {
+        Vector3<S> J = Vector3<S>::Zero();
+        if constexpr (carrier.linear.has(i)) J = parent.Jv[i];
+        if constexpr (carrier.angular.has(i)) add_cross(J, parent.Jw[i], rho);
+        frame.Jv[i] = frame.R_carrier.transpose() * J;
+      });
+    }
   }
 
   /// What a body with its gyros adds to M and f; all about its pivot.
@@ -205,6 +209,54 @@ class Evaluator {
   MotionOf<S>& motion_;
 };
 
+/// x of M x = b for a shape's M, whose structure needs no more than what is coupled. From the last
+/// coordinate to the first M = L' D L, L with a unit diagonal: no square roots, one division each.
+template <Shape shape, class S>
+class Solver {
+ public:
+  static CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b) {
+    constexpr int n = shape.coordinates;
+    std::array<std::array<S, n>, n> L;  // its strict lower triangle, M's lower triangle before
+    std::array<S, n> inverse_D;
+    CoordinatesOf<S> x = CoordinatesOf<S>::Zero();
+    count_to<n>([&](auto i) {
+      x[i] = b[i];
+      L[i][i] = M(+i, +i);
+      coupled<i>([&](auto j) { L[i][j] = M(+i, +j); });
+    });
+    count_to<n>([&](auto back) {
+      constexpr int k = n - 1 - back;
+      const S d = L[k][k];
+      inverse_D[k] = d > 0.0 ? S(1.0 / d) : S(std::numeric_limits<double>::quiet_NaN());
+      coupled<k>([&](auto i) {
+        const S scaled = L[k][i] * inverse_D[k];
+        L[i][i] -= scaled * L[k][i];
+        coupled<i>([&](auto j) {
+          if constexpr (kCoupling.has(k, j)) L[i][j] -= L[k][i] * L[k][j];
+        });
+        x[i] -= scaled * x[k];
+        L[k][i] = scaled;
+      });
+    });
+    count_to<n>([&](auto k) {
+      x[k] *= inverse_D[k];
+      coupled<k>([&](auto i) { x[k] -= L[k][i] * x[i]; });
+    });
+    return x;
+  }
+
+ private:
+  static constexpr Coupling kCoupling = coupling_of(shape);
+
+  /// Calls f with the coordinates before i that it is coupled with.
+  template <int i, class F>
+  static void coupled(const F& f) {
+    count_to<i>([&](auto j) {
+      if constexpr (kCoupling.has(i, j)) f(j);
+    });
+  }
+};
+
 // Static: who writes a shape out gets it as he compiles it, and nobody else does.
 
 /// For a tree of that shape.
@@ -215,12 +267,19 @@ template <Shape shape, class S>
   Evaluator<shape, S>(tree, v, rotors, motion).run(q, support);
 }
 
+template <Shape shape, class S>
+[[gnu::flatten]] static CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M,
+                                                  const CoordinatesOf<S>& b) noexcept {
+  return Solver<shape, S>::solve(M, b);
+}
+
 /// The tree of that shape.
 /// @throws std::invalid_argument when bodies and gimbals are not as the shape says
 template <Shape shape>
 static Tree make_tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals) {
-  return Tree(shape, {evaluate_as<shape, double>, evaluate_as<shape, Dual>}, std::move(bodies),
-              std::move(gimbals));
+  const Tree::Equations<double> equations{evaluate_as<shape, double>, solve_as<shape, double>};
+  const Tree::Equations<Dual> with_slopes{evaluate_as<shape, Dual>, solve_as<shape, Dual>};
+  return Tree(shape, {equations, with_slopes}, std::move(bodies), std::move(gimbals));
 }
 
 }  // namespace gyrotwin::model

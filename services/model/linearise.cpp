@@ -21,7 +21,7 @@ void differentiate_by_torque(const Machine& machine, const State& state, const I
   evaluate(machine, state, input, {}, motion);
   for (std::size_t i = 0; i < machine.drives.size(); ++i) {
     const Coordinates unit = drive_direction(machine, motion, machine.drives[i]);
-    about.torque.col(static_cast<int>(i)) = solve(motion.M, unit, machine.coordinates());
+    about.torque.col(static_cast<int>(i)) = machine.tree.solve(motion.M, unit);
   }
 }
 

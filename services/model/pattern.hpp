@@ -2,6 +2,8 @@
 // Derivation: README.md, section 2.
 #pragma once
 
+#include <array>
+
 #include "services/model/shape.hpp"
 
 namespace gyrotwin::model {
@@ -77,6 +79,83 @@ constexpr MomentsPattern fixed_pattern(const Shape& shape, int body) {
     if (hinge.carrier == body) p = p | pattern_of(hinge.gyros).fixed;
   }
   return p;
+}
+
+/// Of a vector of those axes turned about one of them, or of none.
+constexpr Axes turned_pattern(Axes x, Axis about) {
+  const Axes across = kAnywhere & ~(1U << static_cast<int>(about));
+  return (x & across) != 0 ? x | across : x;
+}
+
+/// Of J x.
+constexpr Axes times_pattern(unsigned J, Axes x) {
+  Axes y = J & x;
+  if (J & 8) y |= (x & 1) << 1 | (x & 2) >> 1;
+  if (J & 16) y |= (x & 1) << 2 | (x & 4) >> 2;
+  if (J & 32) y |= (x & 2) << 1 | (x & 4) >> 1;
+  return y;
+}
+
+/// Which elements of a symmetric matrix can differ from 0.
+struct Coupling {
+  std::array<unsigned, kMaxCoordinates> of{};
+
+  constexpr bool has(int i, int j) const { return of[i] >> j & 1; }
+  constexpr void add(int i, int j) {
+    of[i] |= 1U << j;
+    of[j] |= 1U << i;
+  }
+};
+
+/// Of M with masses that ride on body 0, and of what elimination from the last coordinate to the
+/// first makes of it.
+constexpr Coupling coupling_of(const Shape& shape) {
+  std::array<std::array<Axes, kMaxCoordinates>, kMaxBodies> Jv{}, Jw{};
+  Coupling M;
+  for (int i : shape.bodies[0].angular) {
+    for (int j : shape.bodies[0].angular) M.add(i, j);
+  }
+  for (int b = 0; b < shape.bodies.size; ++b) {
+    const Shape::Joint& joint = shape.bodies[b];
+    for (int i : joint.linear) Jv[b][i] = kAnywhere;
+    for (int i : joint.inherited()) Jw[b][i] = Jw[joint.orientation_parent][i];
+    for (const Rotation& r : joint.rotations) {
+      for (Axes& x : Jw[b]) x = turned_pattern(x, r.axis);
+      Jw[b][r.coordinate] = 1U << static_cast<int>(r.axis);
+    }
+    MomentsPattern moments = fixed_pattern(shape, b);
+    for (const Shape::Hinge& hinge : shape.gimbals) {
+      if (hinge.carrier != b) continue;
+      const GimbalPattern p = pattern_of(hinge.gyros);
+      const MomentsPattern varying = p.cosine | p.sine | p.cosine2 | p.sine2;
+      moments = moments | varying;
+      for (int i : joint.linear) {
+        if (varying.first & Jv[b][i]) M.add(hinge.coordinate, i);
+      }
+      for (int i : joint.angular) {
+        if ((p.swing_fixed | p.swing_cosine | p.swing_sine) & Jw[b][i]) M.add(hinge.coordinate, i);
+      }
+    }
+    for (int i : joint.linear) {
+      for (int j : joint.linear) M.add(i, j);
+      for (int j : joint.angular) {
+        if (cross_pattern(moments.first, Jv[b][i]) & Jw[b][j]) M.add(i, j);
+      }
+    }
+    for (int i : joint.angular) {
+      for (int j : joint.angular) {
+        if (times_pattern(moments.second, Jw[b][i]) & Jw[b][j]) M.add(i, j);
+      }
+    }
+  }
+  for (int k = shape.coordinates - 1; k > 0; --k) {
+    for (int i = 0; i < k; ++i) {
+      for (int j = 0; j < k; ++j) {
+        if (M.has(k, i) && M.has(k, j)) M.add(i, j);
+      }
+    }
+  }
+  return M;
 }
 
 }  // namespace gyrotwin::model

@@ -1,17 +1,14 @@
 #include "services/model/tree.hpp"
 
-#include <limits>
 #include <stdexcept>
 #include <string>
 
-#include "services/model/unroll.hpp"
-
 namespace gyrotwin::model {
 
-Tree::Tree(const Shape& shape, Evaluations evaluations, std::vector<Body> bodies,
+Tree::Tree(const Shape& shape, const AllEquations& equations, std::vector<Body> bodies,
            std::vector<Gimbal> gimbals)
     : shape_(shape),
-      evaluation_(evaluations),
+      equations_(equations),
       bodies_(std::move(bodies)),
       gimbals_(std::move(gimbals)) {
   if (std::ssize(bodies_) != shape_.bodies.size || std::ssize(gimbals_) != shape_.gimbals.size) {
@@ -50,47 +47,5 @@ Tree::Tree(const Shape& shape, Evaluations evaluations, std::vector<Body> bodies
     }
   }
 }
-
-namespace {
-
-template <int n, class S>
-CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b) {
-  // M = L D L', L with a unit diagonal: no square roots, and one division a coordinate.
-  std::array<std::array<S, n>, n> L;   // its strict lower triangle
-  std::array<std::array<S, n>, n> LD;  // the same columns times D
-  std::array<S, n> inverse_D;
-  CoordinatesOf<S> x = CoordinatesOf<S>::Zero();
-  count_to<n>([&](auto i) {
-    S d = M(+i, +i);
-    S y = b[i];
-    count_to<i>([&](auto j) {
-      S sum = M(+i, +j);
-      for (int k = 0; k < j; ++k) sum -= LD[i][k] * L[j][k];
-      LD[i][j] = sum;
-      L[i][j] = sum * inverse_D[j];
-      d -= sum * L[i][j];
-      y -= L[i][j] * x[j];
-    });
-    inverse_D[i] = d > 0.0 ? S(1.0 / d) : S(std::numeric_limits<double>::quiet_NaN());
-    x[i] = y;
-  });
-  count_to<n>([&](auto back) {
-    constexpr int i = n - 1 - back;
-    x[i] *= inverse_D[i];
-    for (int k = i + 1; k < n; ++k) x[i] -= L[k][i] * x[k];
-  });
-  return x;
-}
-
-}  // namespace
-
-template <class S>
-CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b, int n) noexcept {
-  return as_constant<kMaxCoordinates>(n, [&](auto size) { return solve<size>(M, b); });
-}
-
-template Coordinates solve(const MassMatrix&, const Coordinates&, int) noexcept;
-template CoordinatesOf<Dual> solve(const MassMatrixOf<Dual>&, const CoordinatesOf<Dual>&,
-                                   int) noexcept;
 
 }  // namespace gyrotwin::model

@@ -18,6 +18,8 @@ template <class S>
 using CoordinatesOf = Eigen::Matrix<S, kMaxCoordinates, 1>;
 using Coordinates = CoordinatesOf<double>;
 template <class S>
+using Matrix3 = Eigen::Matrix<S, 3, 3>;
+template <class S>
 using MassMatrixOf = Eigen::Matrix<S, kMaxCoordinates, kMaxCoordinates>;
 using MassMatrix = MassMatrixOf<double>;
 
@@ -46,12 +48,13 @@ struct Support {
 /// Motion of one body at one instant, in its own axes; the point meant is the pivot.
 template <class S>
 struct FrameOf {
-  Eigen::Matrix<S, 3, 3> R;  ///< world <- body
-  Vector3<S> omega;          ///< angular velocity, in space [rad/s]
-  Vector3<S> a0;             ///< acceleration of the pivot at q'' = 0, minus gravity [m/s^2]
-  Vector3<S> alpha0;         ///< angular acceleration at q'' = 0 [rad/s^2]
-  JacobianOf<S> Jv;          ///< d v / d q'_i, meaningful for i in Tree::linear(body)
-  JacobianOf<S> Jw;          ///< d omega / d q'_i, meaningful for i in Tree::angular(body)
+  Matrix3<S> R;          ///< world <- body
+  Matrix3<S> R_carrier;  ///< position parent <- body
+  Vector3<S> omega;      ///< angular velocity, in space [rad/s]
+  Vector3<S> a0;         ///< acceleration of the pivot at q'' = 0, minus gravity [m/s^2]
+  Vector3<S> alpha0;     ///< angular acceleration at q'' = 0 [rad/s^2]
+  JacobianOf<S> Jv;      ///< d v / d q'_i, meaningful for i in Tree::linear(body)
+  JacobianOf<S> Jw;      ///< d omega / d q'_i, meaningful for i in Tree::angular(body)
 };
 using Frame = FrameOf<double>;
 
@@ -78,14 +81,18 @@ using Motion = MotionOf<double>;
 /// The numbers of a machine's bodies and gyros, and the equations of their shape.
 class Tree {
  public:
+  /// Of a shape.
   template <class S>
-  using Evaluation = void (*)(const Tree&, const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,
-                              const Rotors&, const Support&, MotionOf<S>&) noexcept;
-  using Evaluations = std::tuple<Evaluation<double>, Evaluation<Dual>>;
+  struct Equations {
+    void (*evaluate)(const Tree&, const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,
+                     const Rotors&, const Support&, MotionOf<S>&) noexcept;
+    CoordinatesOf<S> (*solve)(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b) noexcept;
+  };
+  using AllEquations = std::tuple<Equations<double>, Equations<Dual>>;
 
-  /// make_tree() of evaluate.hpp knows a shape's evaluations.
+  /// make_tree() of evaluate.hpp knows a shape's equations.
   /// @throws std::invalid_argument when bodies and gimbals are not as the shape says
-  Tree(const Shape& shape, Evaluations evaluations, std::vector<Body> bodies,
+  Tree(const Shape& shape, const AllEquations& equations, std::vector<Body> bodies,
        std::vector<Gimbal> gimbals);
 
   int coordinates() const { return shape_.coordinates; }
@@ -108,22 +115,24 @@ class Tree {
   template <class S>
   void evaluate(const CoordinatesOf<S>& q, const CoordinatesOf<S>& v, const Rotors& rotors,
                 const Support& support, MotionOf<S>& motion) const noexcept {
-    std::get<Evaluation<S>>(evaluation_)(*this, q, v, rotors, support, motion);
+    std::get<Equations<S>>(equations_).evaluate(*this, q, v, rotors, support, motion);
+  }
+
+  /// x of M x = b, with M that evaluate() left, and what rides on body 0 besides. Where M is not
+  /// positive definite the result is not finite.
+  template <class S>
+  CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b) const noexcept {
+    return std::get<Equations<S>>(equations_).solve(M, b);
   }
 
  private:
   Shape shape_;
-  Evaluations evaluation_;
+  AllEquations equations_;
   std::vector<Body> bodies_;
   std::vector<Gimbal> gimbals_;
   std::array<double, kMaxBodies> mass_{};
   std::array<Moments<double>, kMaxBodies> moments_;
   RotorSpeeds rotor_inertia_{};
 };
-
-/// Solves M x = b for the leading n x n block, M symmetric positive definite in its lower triangle
-/// (Cholesky). Not positive definite: the result is not finite.
-template <class S>
-CoordinatesOf<S> solve(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b, int n) noexcept;
 
 }  // namespace gyrotwin::model
