@@ -68,8 +68,8 @@ Coordinates Prediction::accelerate(const State& state, const model::RotorSpeeds&
     motion.M(tilt, tilt) += inertia_;
     input_.moment[i] = moment_[i] * motion.M(tilt, tilt) / modelled;
   }
-  const Coordinates force = motion.f + model::all_forces(machine_, motion, state, input_);
-  Coordinates acceleration = machine_.tree.solve(motion.M, force);
+  model::add_forces(machine_, motion, state, input_, motion.f);
+  Coordinates acceleration = machine_.tree.solve(motion.M, motion.f);
   if (input_.mode == model::DriveMode::kBrake) calm_down(motion, state, acceleration);
   return acceleration;
 }

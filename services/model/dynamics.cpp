@@ -1,5 +1,7 @@
 #include "services/model/dynamics.hpp"
 
+#include <algorithm>
+
 #include "services/model/forces.hpp"
 
 namespace gyrotwin::model {
@@ -7,6 +9,8 @@ namespace gyrotwin::model {
 using Eigen::Vector3d;
 
 namespace {
+
+bool has_mass(const PointMass& added) { return added.mass != 0.0; }
 
 /// What an added mass does to M and f: as a body of that mass alone.
 template <class S>
@@ -27,8 +31,9 @@ void evaluate(const Machine& machine, const StateOf<S>& state, const Input& inpu
   const Vector3d weight(0.0, 0.0, machine.gravity);
   machine.tree.evaluate(state.q, state.v, {state.rotor_speed, rotor_rate},
                         {input.ground_acceleration + weight, input.yaw_rate}, motion);
+  if (!std::any_of(input.added.begin(), input.added.end(), has_mass)) return;
   for (const PointMass& added : input.added) {
-    if (added.mass != 0.0) add_mass(machine, added, motion);
+    if (has_mass(added)) add_mass(machine, added, motion);
   }
 }
 
@@ -36,8 +41,8 @@ template <class S>
 CoordinatesOf<S> accelerate(const Machine& machine, const StateOf<S>& state, const Input& input,
                             const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
   evaluate(machine, state, input, rotor_rate, motion);
-  const CoordinatesOf<S> force = motion.f + all_forces(machine, motion, state, input);
-  return machine.tree.solve(motion.M, force);
+  add_forces(machine, motion, state, input, motion.f);
+  return machine.tree.solve(motion.M, motion.f);
 }
 
 template void evaluate(const Machine&, const State&, const Input&, const RotorSpeeds&,

@@ -11,7 +11,7 @@ template <class S>
 void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,
               const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept;
 
-/// q'' [rad/s^2], and the motion it came from.
+/// q'' [rad/s^2], and the motion it came from, with f + Q in place of f.
 template <class S>
 CoordinatesOf<S> accelerate(const Machine& machine, const StateOf<S>& state, const Input& input,
                             const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept;

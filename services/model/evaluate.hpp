@@ -14,8 +14,8 @@
 
 namespace gyrotwin::model {
 
-/// One evaluation for one shape: every index is a constant. For doubles it is one function, so that
-/// what one body's part leaves at 0 is known to be 0 in the next; GCC needs to be told twice.
+/// One evaluation for one shape: every index is a constant, and all is inlined into one function,
+/// so that what one body's part leaves at 0 is known to be 0 in the next.
 template <Shape shape, class S>
 class Evaluator {
  public:
@@ -65,7 +65,7 @@ class Evaluator {
     count_to<joint.rotations.size>([&](auto r) { turn<b, r>(turned); });
 
     if constexpr (joint.position_parent == kGround) {
-      frame.R = frame.R_carrier = turned;
+      frame.R = turned;
     } else {
       const Matrix3<S>& R_parent = motion_.frame[joint.position_parent].R;
       constexpr bool by_ground = joint.orientation_parent == kGround;
@@ -115,7 +115,7 @@ class Evaluator {
     } else {
       constexpr Shape::Joint carrier = shape.bodies[joint.position_parent];
       const FrameOf<S>& parent = motion_.frame[joint.position_parent];
-      const Vector3<S> rho = tree_.bodies()[b].pivot.template cast<S>();
+      const Vector3<S> rho = sparse<joint.pivot>(tree_.bodies()[b].pivot).template cast<S>();
       Vector3<S> v_rho = Vector3<S>::Zero(), a = parent.a0;
       add_cross(v_rho, parent.omega, rho);
       add_cross(a, parent.alpha0, rho);

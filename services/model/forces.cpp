@@ -140,9 +140,9 @@ double load_cell_force(const Machine& machine, const Motion& motion, const Input
 }
 
 template <class S>
-CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
-                            const StateOf<S>& state, const Input& input) noexcept {
-  CoordinatesOf<S> Q = -machine.damping.cwiseProduct(state.v);
+void add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
+                const Input& input, CoordinatesOf<S>& Q) noexcept {
+  Q -= machine.damping.cwiseProduct(state.v);
   for (const Stop& stop : machine.stops) {
     Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
   }
@@ -168,7 +168,6 @@ CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
     const S pressed = load_cell_force(cell, point, direction, input.yaw_rate);
     for (int i = 0; i < machine.coordinates(); ++i) Q[i] -= pressed * point.J[i].dot(direction);
   }
-  return Q;
 }
 
 double spring_energy(const Machine& machine, const Motion& motion, const State& state) noexcept {
@@ -198,8 +197,9 @@ template StructurePoint<double> structure_point(const Machine&, const Motion&,
 template StructurePoint<Dual> structure_point(const Machine&, const MotionOf<Dual>&,
                                               const Vector3d&) noexcept;
 template double rate_of(const Machine&, const Motion&, const Drive&, const State&) noexcept;
-template Coordinates all_forces(const Machine&, const Motion&, const State&, const Input&) noexcept;
-template CoordinatesOf<Dual> all_forces(const Machine&, const MotionOf<Dual>&, const StateOf<Dual>&,
-                                        const Input&) noexcept;
+template void add_forces(const Machine&, const Motion&, const State&, const Input&,
+                         Coordinates&) noexcept;
+template void add_forces(const Machine&, const MotionOf<Dual>&, const StateOf<Dual>&, const Input&,
+                         CoordinatesOf<Dual>&) noexcept;
 
 }  // namespace gyrotwin::model

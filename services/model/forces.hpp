@@ -32,10 +32,10 @@ Coordinates drive_direction(const Machine& machine, const Motion& motion,
 /// What the structure presses on the load cell with [N].
 double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept;
 
-/// Q [N m].
+/// Adds everything to Q [N m].
 template <class S>
-CoordinatesOf<S> all_forces(const Machine& machine, const MotionOf<S>& motion,
-                            const StateOf<S>& state, const Input& input) noexcept;
+void add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
+                const Input& input, CoordinatesOf<S>& Q) noexcept;
 
 /// In stops, contact, bushing and load cell [J].
 double spring_energy(const Machine& machine, const Motion& motion, const State& state) noexcept;

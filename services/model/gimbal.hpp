@@ -12,10 +12,12 @@ namespace gyrotwin::model {
 
 using RotorSpeeds = std::array<double, kMaxRotors>;
 
-/// The rotors' speeds relative to their frames.
+inline constexpr RotorSpeeds kSteady{};
+
+/// The rotors' speeds relative to their frames; refers to what it is made of.
 struct Rotors {
-  RotorSpeeds speed;   ///< n [rad/s]
-  RotorSpeeds rate{};  ///< n' [rad/s^2]
+  const RotorSpeeds& speed;           ///< n [rad/s]
+  const RotorSpeeds& rate = kSteady;  ///< n' [rad/s^2]
 };
 
 // What depends on coordinates and rates is written for a scalar S: double, or Dual for its

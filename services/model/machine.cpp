@@ -42,8 +42,8 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   State lifted{lift(state.q), lift(state.v), state.rotor_speed};
   Motion motion;
   evaluate(free, lifted, input, rotor_rate, motion);
-  const Coordinates missing = times(motion, lift(acceleration), free.coordinates()) - motion.f -
-                              all_forces(free, motion, lifted, input);
+  add_forces(free, motion, lifted, input, motion.f);
+  const Coordinates missing = times(motion, lift(acceleration), free.coordinates()) - motion.f;
   return {missing[free.layout.disc_tilt[0]], missing[free.layout.disc_tilt[1]]};
 }
 

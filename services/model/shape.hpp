@@ -67,6 +67,7 @@ struct Shape {
     int position_parent = kGround;     ///< carries the pivot: the ground, or body 0
     int orientation_parent = kGround;  ///< the position parent, or the ground
     ShortList<Rotation, 4> rotations;  ///< from the orientation parent to the body
+    Axes pivot = kAlongZ;              ///< in the position parent's axes
     Axes cm = kAlongZ;                 ///< of the body without its gyros, from its pivot
     bool has_rotor = false;            ///< of constant direction in the body
     IndexList linear;                  ///< coordinates that move the pivot
@@ -127,6 +128,10 @@ struct Shape {
   }
 
   /// Of the body added last.
+  constexpr Shape& pivot_along(Axes axes) {
+    bodies.item[static_cast<std::size_t>(bodies.size - 1)].pivot = axes;
+    return *this;
+  }
   constexpr Shape& cm_along(Axes axes) {
     bodies.item[static_cast<std::size_t>(bodies.size - 1)].cm = axes;
     return *this;

@@ -32,7 +32,7 @@ struct GimbalShare {
 /// @tparam gyros how the gimbal's gyros lie
 /// @param c, s cosine and sine of q
 template <Shape::Gyros gyros, class S>
-inline GimbalShare<S> share_of(const Gimbal& gimbal, const S& c, const S& s,
+GimbalShare<S> share_of(const Gimbal& gimbal, const S& c, const S& s,
                         const Rotors& rotors) noexcept {
   const Gimbal::Terms& terms = gimbal.terms();
   constexpr GimbalPattern pattern = pattern_of(gyros);

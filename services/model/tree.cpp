@@ -28,11 +28,19 @@ Tree::Tree(const Shape& shape, const AllEquations& equations, std::vector<Body> 
       throw std::invalid_argument("tree: body " + std::to_string(b) +
                                   " has a rotor that its shape has not: with_rotor()");
     }
-    for (int axis = 0; axis < 3; ++axis) {
-      if (body.cm[axis] != 0.0 && !(shape_.bodies[b].cm >> axis & 1)) {
-        throw std::invalid_argument("tree: body " + std::to_string(b) +
-                                    " has its centre of mass off its shape's axes: cm_along()");
+    const auto off = [](const Eigen::Vector3d& x, Axes axes) {
+      for (int i = 0; i < 3; ++i) {
+        if (x[i] != 0.0 && !(axes >> i & 1)) return true;
       }
+      return false;
+    };
+    if (off(body.pivot, shape_.bodies[b].pivot)) {
+      throw std::invalid_argument("tree: body " + std::to_string(b) +
+                                  " has its pivot off its shape's axes: pivot_along()");
+    }
+    if (off(body.cm, shape_.bodies[b].cm)) {
+      throw std::invalid_argument("tree: body " + std::to_string(b) +
+                                  " has its centre of mass off its shape's axes: cm_along()");
     }
   }
   for (int g = 0; g < shape_.gimbals.size; ++g) {

@@ -49,7 +49,7 @@ struct Support {
 template <class S>
 struct FrameOf {
   Matrix3<S> R;          ///< world <- body
-  Matrix3<S> R_carrier;  ///< position parent <- body
+  Matrix3<S> R_carrier;  ///< position parent <- body, of a body that has one
   Vector3<S> omega;      ///< angular velocity, in space [rad/s]
   Vector3<S> a0;         ///< acceleration of the pivot at q'' = 0, minus gravity [m/s^2]
   Vector3<S> alpha0;     ///< angular acceleration at q'' = 0 [rad/s^2]

@@ -25,7 +25,9 @@ using model::Shape;
 using model::State;
 using reference::Random;
 
-constexpr Shape with_body(Shape shape) { return shape.hang(0, 0, {}); }
+constexpr Shape with_body(Shape shape) {
+  return shape.hang(0, 0, {}).pivot_along(model::kAnywhere);
+}
 
 /// The machine with the mass built in, as a body of its own on the structure.
 template <Shape shape>

@@ -13,7 +13,7 @@ constexpr model::Shape turned_shape(const model::Shape& shape, model::Axis axis)
     if (joint.orientation_parent == model::kGround) rotations.add({axis, shape.coordinates});
     for (const model::Rotation& r : joint.rotations) rotations.add(r);
     turned.hang(joint.position_parent, joint.orientation_parent, rotations);
-    turned.cm_along(joint.cm);
+    turned.pivot_along(joint.pivot).cm_along(joint.cm);
     if (joint.has_rotor) turned.with_rotor();
   }
   turned.gimbals = shape.gimbals;
