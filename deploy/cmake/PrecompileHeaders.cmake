@@ -1,12 +1,17 @@
 # What nearly every source includes is compiled once: reading headers is most of what building takes.
 # The preset ubsan builds without, so that a source that leans on it does not get far.
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/headers.cpp CONTENT "")
-add_library(gyrotwin_headers OBJECT ${PROJECT_BINARY_DIR}/headers.cpp)
-target_link_libraries(gyrotwin_headers PRIVATE Eigen3::Eigen)
-target_precompile_headers(gyrotwin_headers PRIVATE <Eigen/Geometry> <algorithm> <array> <atomic>
-                          <chrono> <cmath> <condition_variable> <cstdint> <filesystem> <fstream>
-                          <functional> <iostream> <map> <memory> <mutex> <numeric> <optional> <set>
-                          <span> <string> <string_view> <thread> <tuple> <utility> <variant> <vector>)
+
+# gyrotwin_compile_headers(NAME HEADER...): these and what everybody includes, with this directory's flags
+function(gyrotwin_compile_headers name)
+  add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/headers.cpp)
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen)
+  target_precompile_headers(${name} PRIVATE ${ARGN} <Eigen/Geometry> <algorithm> <array> <atomic>
+                            <chrono> <cmath> <condition_variable> <cstdint> <filesystem> <fstream>
+                            <functional> <iostream> <map> <memory> <mutex> <numeric> <optional> <set>
+                            <span> <string> <string_view> <thread> <tuple> <utility> <variant> <vector>)
+endfunction()
+gyrotwin_compile_headers(gyrotwin_headers)
 
 # gyrotwin_precompile(DIRECTORY...): for all C++ targets in them and below
 function(gyrotwin_precompile)

@@ -11,7 +11,7 @@ using PerGyro = Eigen::Array<S, kMaxRotors, 1>;
 template <class S>
 using VectorPerGyro = Eigen::Array<S, kMaxRotors, 3>;
 
-/// The disc against the structure.
+/// The disc against the structure that carries it; refers to the motion that it is made of.
 template <class S>
 struct DiscMotionOf {
   const Matrix3<S>& R;  ///< structure <- disc

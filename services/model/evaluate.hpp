@@ -14,6 +14,9 @@
 
 namespace gyrotwin::model {
 
+// Unnamed: who writes a shape out gets it as he compiles it, and nobody else does.
+namespace {
+
 /// One evaluation for one shape: every index is a constant, and all is inlined into one function,
 /// so that what one body's part leaves at 0 is known to be 0 in the next.
 template <Shape shape, class S>
@@ -23,6 +26,7 @@ class Evaluator {
       : tree_(tree), v_(v), rotors_(rotors), motion_(motion) {}
 
   void run(const CoordinatesOf<S>& q, const Support& support) {
+    static_assert(in_pairs(kMaxCoordinates) == kMaxCoordinates);
     sine_cosine<shape.coordinates>(q.data(), motion_.sin_q.data(), motion_.cos_q.data());
     motion_.f.setZero();
     count_to<shape.coordinates>([&](auto i) {
@@ -74,7 +78,7 @@ class Evaluator {
     }
   }
 
-  /// R <- R Rot, and x <- Rot' x for the vectors of the body.
+  /// R <- R Rot, and x <- Rot' x for omega, alpha0 and Jw.
   template <int b, int r>
   void turn(Matrix3<S>& R) {
     constexpr Shape::Joint joint = shape.bodies[b];
@@ -209,8 +213,9 @@ class Evaluator {
   MotionOf<S>& motion_;
 };
 
-/// x of M x = b for a shape's M, whose structure needs no more than what is coupled. From the last
-/// coordinate to the first M = L' D L, L with a unit diagonal: no square roots, one division each.
+/// x of M x = b for a shape's M, of which only the elements are used that the shape couples. From
+/// the last coordinate to the first M = L' D L, L with a unit diagonal: no square roots, one
+/// division each.
 template <Shape shape, class S>
 class Solver {
  public:
@@ -257,29 +262,28 @@ class Solver {
   }
 };
 
-// Static: who writes a shape out gets it as he compiles it, and nobody else does.
-
 /// For a tree of that shape.
 template <Shape shape, class S>
-[[gnu::flatten]] static void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
-                                         const CoordinatesOf<S>& v, const Rotors& rotors,
-                                         const Support& support, MotionOf<S>& motion) noexcept {
+[[gnu::flatten]] void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
+                                  const CoordinatesOf<S>& v, const Rotors& rotors,
+                                  const Support& support, MotionOf<S>& motion) noexcept {
   Evaluator<shape, S>(tree, v, rotors, motion).run(q, support);
 }
 
 template <Shape shape, class S>
-[[gnu::flatten]] static CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M,
-                                                  const CoordinatesOf<S>& b) noexcept {
+[[gnu::flatten]] CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M,
+                                           const CoordinatesOf<S>& b) noexcept {
   return Solver<shape, S>::solve(M, b);
 }
 
 /// The tree of that shape.
 /// @throws std::invalid_argument when bodies and gimbals are not as the shape says
 template <Shape shape>
-static Tree make_tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals) {
+Tree make_tree(std::vector<Body> bodies, std::vector<Gimbal> gimbals) {
   const Tree::Equations<double> equations{evaluate_as<shape, double>, solve_as<shape, double>};
   const Tree::Equations<Dual> with_slopes{evaluate_as<shape, Dual>, solve_as<shape, Dual>};
   return Tree(shape, {equations, with_slopes}, std::move(bodies), std::move(gimbals));
 }
 
+}  // namespace
 }  // namespace gyrotwin::model

@@ -32,7 +32,7 @@ Coordinates drive_direction(const Machine& machine, const Motion& motion,
 /// What the structure presses on the load cell with [N].
 double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept;
 
-/// Adds everything to Q [N m].
+/// Adds everything to Q, which may be motion.f [N m].
 template <class S>
 void add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
                 const Input& input, CoordinatesOf<S>& Q) noexcept;

@@ -33,24 +33,19 @@ Moments<double> moments_of(double mass, const Vector3d& cm, const Vector3d& iner
   return {mass * cm, packed(Matrix3d(inertia.asDiagonal()) + mass * steiner(cm))};
 }
 
-bool Gimbal::are(const Shape::Gyros& gyros) const {
+bool Gimbal::lie_as(const Shape::Gyros& gyros) const {
   constexpr double kRounding = 1e-14;
-  double moment = 0.0;  // of masses at their distances
-  for (const Gyro& g : gyros_) moment += g.mass * (g.pivot.norm() + std::abs(g.cm_distance));
-  const double inertia = terms_.fixed.second.cwiseAbs().maxCoeff();
-  const auto fits = [](const auto& x, unsigned pattern, double scale) {
-    for (int i = 0; i < x.size(); ++i) {
-      if (!(pattern >> i & 1) && !(std::abs(x[i]) <= kRounding * scale)) return false;
-    }
-    return true;
-  };
+  double masses = 0.0;  // at their distances
+  for (const Gyro& g : gyros_) masses += g.mass * (g.pivot.norm() + std::abs(g.cm_distance));
+  const double moment = kRounding * masses;
+  const double inertia = kRounding * terms_.fixed.second.cwiseAbs().maxCoeff();
   const auto moments_fit = [&](const Moments<double>& x, const MomentsPattern& pattern) {
     return fits(x.first, pattern.first, moment) && fits(x.second, pattern.second, inertia);
   };
   for (const Gyro& g : gyros_) {
     const int rotor = g.rotor_index - gyros.first_rotor;
-    if (rotor < 0 || rotor >= gyros.rotors || !fits(g.axis, gyros.axis, 1.0) ||
-        !fits(g.raised, gyros.raised, 1.0)) {
+    if (rotor < 0 || rotor >= gyros.rotors || !fits(g.axis, gyros.axis, kRounding) ||
+        !fits(g.raised, gyros.raised, kRounding)) {
       return false;
     }
   }

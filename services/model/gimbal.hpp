@@ -12,6 +12,7 @@ namespace gyrotwin::model {
 
 using RotorSpeeds = std::array<double, kMaxRotors>;
 
+/// Rates of rotors that keep their speed.
 inline constexpr RotorSpeeds kSteady{};
 
 /// The rotors' speeds relative to their frames; refers to what it is made of.
@@ -72,7 +73,7 @@ class Gimbal {
   using Rows = Eigen::Array<double, kMaxRotors, 3>;
   using Terms = GimbalTerms<Moments<double>, Eigen::Vector3d>;
 
-  /// @throws std::invalid_argument for more than 4 gyros
+  /// @throws std::invalid_argument for more than 4 gyros, or an unknown rotor
   explicit Gimbal(std::vector<Gyro> gyros);
 
   const std::vector<Gyro>& gyros() const { return gyros_; }
@@ -85,12 +86,12 @@ class Gimbal {
   /// Of all gyros about their hinges [kg m^2].
   double inertia() const { return inertia_; }
   /// Whether the gyros lie so; but for rounding.
-  bool are(const Shape::Gyros& gyros) const;
+  bool lie_as(const Shape::Gyros& gyros) const;
 
   /// What they add to their carrier, about its pivot and in its axes.
   const Terms& terms() const { return terms_; }
-  /// Of each rotor's momentum at unit speed what lies along its gyro's axes, one row a rotor
-  /// [kg m^2].
+  /// The rotors' momenta at unit speed, with the gimbal at 0 and at 90 deg; one row a rotor [kg
+  /// m^2].
   const Rows& momentum() const { return momentum_; }
   const Rows& raised_momentum() const { return raised_momentum_; }
 

@@ -30,7 +30,8 @@ constexpr Shape shape_of(Arrangement arrangement) {
   gyros.rotors = 2;
   if (arrangement == Arrangement::kPair) return on_line.gimbal(0, gyros);
   Shape on_point = Shape().hang(kGround, kGround, {{Axis::kX, 0}, {Axis::kY, 1}}).gimbal(0, gyros);
-  std::swap(gyros.axis, gyros.raised);
+  gyros.axis = kAlongX;
+  gyros.raised = kAlongY;
   gyros.first_rotor = 2;
   return on_point.gimbal(0, gyros);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
 #include "services/model/shape.hpp"
 
@@ -23,15 +24,24 @@ struct MomentsPattern {
 
 inline constexpr unsigned kDiagonal = 0b000111;
 
-/// What a gimbal adds to its carrier is a trigonometric polynomial of second degree in q. Its
-/// coefficients, those of 1, cos q, sin q, cos 2q, sin 2q, or which of their elements can differ
-/// from 0.
+/// What a gimbal adds to its carrier is a trigonometric polynomial of second degree in q. These are
+/// its coefficients, of 1, cos q, sin q, cos 2q, sin 2q; or which of their elements can differ from
+/// 0.
 template <class AnyMoments, class AnyVector>
 struct GimbalTerms {
   AnyMoments fixed{}, cosine{}, sine{}, cosine2{}, sine2{};
   AnyVector swing_fixed{}, swing_cosine{}, swing_sine{};
 };
 using GimbalPattern = GimbalTerms<MomentsPattern, Axes>;
+
+/// Whether elements of x that are not in the pattern are 0, but for a tolerance.
+template <class Vector>
+bool fits(const Vector& x, unsigned pattern, double tolerance = 0.0) {
+  for (int i = 0; i < x.size(); ++i) {
+    if (!(pattern >> i & 1) && !(std::abs(x[i]) <= tolerance)) return false;
+  }
+  return true;
+}
 
 /// Of a b' + b a'.
 constexpr unsigned product_pattern(Axes a, Axes b) {

@@ -86,8 +86,8 @@ struct Shape {
     Axes axis = kAnywhere;    ///< spin axis at angle 0
     Axes raised = kAnywhere;  ///< spin axis at angle 90 deg
     bool centred = false;     ///< cm on the hinge
-    /// Alike all around z: at every angle the carrier's cm stays on z and its axes principal, and
-    /// turning gyros have no angular momentum but their rotors'.
+    /// What they have off z cancels: at every angle the carrier's cm stays on z and its axes
+    /// principal, and turning gyros have no angular momentum but their rotors'.
     bool balanced = false;
     int first_rotor = 0, rotors = kMaxRotors;  ///< which ones they carry
   };
@@ -143,6 +143,10 @@ struct Shape {
 
   /// Adds gyros that turn on a body by the next coordinate.
   constexpr Shape& gimbal(int carrier, const Gyros& gyros) {
+    if (carrier < 0 || carrier >= bodies.size) throw std::logic_error("a body carries a gimbal");
+    if (gyros.first_rotor < 0 || gyros.first_rotor + gyros.rotors > kMaxRotors) {
+      throw std::logic_error("a gimbal's rotors are among the machine's");
+    }
     gimbals.add({carrier, coordinates++, gyros});
     return *this;
   }

@@ -7,13 +7,13 @@
 
 namespace gyrotwin::model {
 
-/// The same with known zeros where the pattern has none.
+/// x with known zeros where the pattern has none.
 template <Axes pattern>
-Eigen::Vector3d sparse(const Eigen::Vector3d& x) {
+static Eigen::Vector3d sparse(const Eigen::Vector3d& x) {
   return {pattern & 1 ? x[0] : 0.0, pattern & 2 ? x[1] : 0.0, pattern & 4 ? x[2] : 0.0};
 }
 template <MomentsPattern pattern>
-Moments<double> sparse(const Moments<double>& x) {
+static Moments<double> sparse(const Moments<double>& x) {
   Moments<double> y;
   y.first = sparse<pattern.first>(x.first);
   for (int i = 0; i < 6; ++i) y.second[i] = pattern.second >> i & 1 ? x.second[i] : 0.0;
@@ -32,8 +32,8 @@ struct GimbalShare {
 /// @tparam gyros how the gimbal's gyros lie
 /// @param c, s cosine and sine of q
 template <Shape::Gyros gyros, class S>
-GimbalShare<S> share_of(const Gimbal& gimbal, const S& c, const S& s,
-                        const Rotors& rotors) noexcept {
+static GimbalShare<S> share_of(const Gimbal& gimbal, const S& c, const S& s,
+                               const Rotors& rotors) noexcept {
   const Gimbal::Terms& terms = gimbal.terms();
   constexpr GimbalPattern pattern = pattern_of(gyros);
   GimbalShare<S> share;

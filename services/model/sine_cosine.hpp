@@ -1,5 +1,5 @@
 // Sines and cosines of all coordinates at once. Where the C library chooses by the processor, this
-// gives the same bits everywhere.
+// gives the same bits everywhere. Static, as what calls it: evaluate.hpp.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ using PairOfBits = std::int64_t __attribute__((vector_size(16)));
 constexpr int in_pairs(int n) { return n + n % 2; }
 
 /// Of two angles up to 10^5 rad. Source of the polynomials: FreeBSD msun, k_sin.c and k_cos.c.
-inline void sine_cosine(Pair angle, Pair& sine, Pair& cosine) noexcept {
+static inline void sine_cosine(Pair angle, Pair& sine, Pair& cosine) noexcept {
   constexpr double kTwoOverPi = 6.36619772367581382433e-01;
   // Half pi in three parts; k times each of the first two is exact.
   constexpr double kHalfPi1 = 1.57079632673412561417e+00;
@@ -60,7 +60,7 @@ inline void sine_cosine(Pair angle, Pair& sine, Pair& cosine) noexcept {
 /// sin and cos of n angles [rad], to 0.85 units in the last place up to 10^5 rad; beyond as the C
 /// library has them. The arrays hold in_pairs(n) numbers.
 template <int n>
-void sine_cosine(const double* angle, double* sine, double* cosine) noexcept {
+static void sine_cosine(const double* angle, double* sine, double* cosine) noexcept {
   constexpr double kLargest = 1e5;
   bool large = false;
   for (int i = 0; i < n; ++i) large |= !(std::abs(angle[i]) < kLargest);
@@ -81,7 +81,7 @@ void sine_cosine(const double* angle, double* sine, double* cosine) noexcept {
 
 /// The same with derivatives.
 template <int n>
-void sine_cosine(const Dual* angle, Dual* sine, Dual* cosine) noexcept {
+static void sine_cosine(const Dual* angle, Dual* sine, Dual* cosine) noexcept {
   double x[in_pairs(n)] = {}, s[in_pairs(n)], c[in_pairs(n)];
   for (int i = 0; i < n; ++i) x[i] = angle[i].value;
   sine_cosine<n>(x, s, c);

@@ -81,7 +81,7 @@ using Motion = MotionOf<double>;
 /// The numbers of a machine's bodies and gyros, and the equations of their shape.
 class Tree {
  public:
-  /// Of a shape.
+  /// How a shape's M and f are evaluated, and solved.
   template <class S>
   struct Equations {
     void (*evaluate)(const Tree&, const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,

@@ -4,6 +4,9 @@
 #include <stdexcept>
 
 #include "services/model/evaluate.hpp"
+#include "services/model/gimballed.hpp"
+#include "services/model/gyroscope.hpp"
+#include "services/model/umbrella.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
 
@@ -72,6 +75,10 @@ TEST(TreeContract, RefusesWhatItsShapeIsNot) {
   body.cm = {0.1, 0, 0};
   EXPECT_EQ(refusal<kPlain>({body}, {}),
             "tree: body 0 has its centre of mass off its shape's axes: cm_along()");
+  body = plain;
+  body.pivot = {0, 0.1, 0};
+  EXPECT_EQ(refusal<kPlain>({body}, {}),
+            "tree: body 0 has its pivot off its shape's axes: pivot_along()");
 }
 
 template <Shape::Gyros gyros>
@@ -110,6 +117,40 @@ TEST(TreeContract, RefusesGyrosThatDoNotLieAsItsShapeSays) {
   vertical.raised = {0, 0, 1};
   EXPECT_FALSE(fits<kHorizontal>(vertical));
 }
+
+/// One body that leans, with one gyro that is neither balanced nor has its cm on its hinge.
+TEST(TreeContract, KnowsNoLessOfGyrosThanOfAnyOthers) {
+  Body body;
+  body.mass = 2.0;
+  body.cm.z() = 0.5;
+  body.inertia = {1.0, 2.0, 3.0};
+  const std::vector<Gimbal> gimbals{Gimbal({gyro(1)})};
+  const model::Tree known = model::make_tree<carrying(kHorizontal)>({body}, gimbals);
+  const model::Tree any = model::make_tree<carrying({})>({body}, gimbals);
+  model::Coordinates q = model::Coordinates::Zero(), v = q;
+  q.head<2>() << 0.4, 0.7;
+  v.head<2>() << -2.0, 3.0;
+  const model::RotorSpeeds speed{0, 100, 0, 0}, rate{0, 5, 0, 0};
+  const model::Support support{{1.0, 2.0, 9.81}, 0.3};
+  model::Motion a, b;
+  known.evaluate(q, v, {speed, rate}, support, a);
+  any.evaluate(q, v, {speed, rate}, support, b);
+  const model::Coordinates x = known.solve(a.M, a.f), y = any.solve(b.M, b.f);
+  EXPECT_NE(x[0], 0.0);
+  EXPECT_LT((x - y).cwiseAbs().maxCoeff(), 1e-13 * y.cwiseAbs().maxCoeff());
+}
+
+// What is solved apart: nothing turns the disc of a level mount but itself, and no gimbal of a pair
+// feels the tilt's acceleration.
+constexpr bool coupled(const Shape& shape, int i, int j) {
+  return model::coupling_of(shape).has(i, j);
+}
+constexpr Shape kLevel = model::shape_of(model::Mount::kLevel);
+static_assert(coupled(kLevel, 0, 1) && coupled(kLevel, 0, 3) && coupled(kLevel, 1, 3));
+static_assert(!coupled(kLevel, 2, 0) && !coupled(kLevel, 2, 1) && !coupled(kLevel, 2, 3));
+constexpr Shape kPair = model::shape_of(model::Arrangement::kPair);
+static_assert(!coupled(kPair, 0, 1));
+static_assert(coupled(model::kGyroscopeShape, 0, 1));
 
 TEST(BuilderContract, UmbrellaHasThreeOrFourGyros) {
   auto p = reference::umbrella("prototype_b");

@@ -117,10 +117,12 @@ TEST(Invariance, ShapesOfTheSameMachineAreAlike) {
     with(parents, change_by_shape<kRigidByTheGround>(random, all[1]));
     with(parents, change_by_shape<kPostOnTheAxle>(random, model::build(random.gyroscope())));
     with(lie, change_by_shape<anyhow(shape_of(Mount::kLevel))>(random, all[0]));
+    with(lie, change_by_shape<anyhow(shape_of(Mount::kRigid))>(random, all[1]));
     with(lie, change_by_shape<anyhow(shape_of(Mount::kUniversalJoint))>(random, all[2]));
     with(lie, change_by_shape<anyhow(shape_of(Arrangement::kSingle))>(random, all[3]));
     with(lie, change_by_shape<anyhow(shape_of(Arrangement::kPair))>(random, all[4]));
     with(lie, change_by_shape<anyhow(shape_of(Arrangement::kTwoPairs))>(random, all[5]));
+    with(lie, change_by_shape<anyhow(model::kGyroscopeShape)>(random, all[6]));
   }
   EXPECT_LT(parents, 1e-13);  // measured 4.5e-18
   EXPECT_LT(lie, 1e-13);      // measured 2.6e-16
@@ -259,6 +261,14 @@ TEST(Invariance, SingularIsNotFinite) {
   constexpr Shape kOneAxis = Shape().hang(kGround, kGround, {{Axis::kX, 0}});
   const Machine machine{model::make_tree<kOneAxis>({model::Body()}, {}), {}};
   EXPECT_FALSE(machine.acceleration(machine.state({0.1}, {}), {}).allFinite());
+
+  Random random(5);
+  auto weightless = random.gimballed(Arrangement::kPair);
+  for (const double inertia : {0.0, -1.0}) {
+    weightless.gyros.inertia_transverse = inertia;
+    const Machine pair = model::build(weightless);
+    EXPECT_FALSE(pair.acceleration(pair.state({0.1, 0.2}, {}), {}).allFinite()) << inertia;
+  }
 }
 
 /// However much of the equations the compiler leaves out because it is 0.

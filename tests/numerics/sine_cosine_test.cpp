@@ -71,5 +71,18 @@ TEST(SineCosine, IsExactAtZeroAndOdd) {
   }
 }
 
+/// An odd number of them, with derivatives: those of others beside them do not matter.
+TEST(SineCosine, HasItsDerivatives) {
+  const std::array<model::Dual, 3> x{{{0.3, 2.0}, {-1.2, 0.5}, {4.0, -1.0}}};
+  std::array<model::Dual, 3> s, c;
+  model::sine_cosine<3>(x.data(), s.data(), c.data());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    EXPECT_LT(units_off(s[k].value, std::sin(static_cast<long double>(x[k].value))), 0.8);
+    EXPECT_LT(units_off(c[k].value, std::cos(static_cast<long double>(x[k].value))), 0.8);
+    EXPECT_EQ(s[k].slope, x[k].slope * c[k].value);
+    EXPECT_EQ(c[k].slope, -x[k].slope * s[k].value);
+  }
+}
+
 }  // namespace
 }  // namespace gyrotwin
