@@ -259,7 +259,7 @@ TEST(GroundMotion, InertialReadingIsThePathThroughSpace) {
       const auto orientation = [&](double t) {
         Motion motion;
         machine.tree.evaluate<double>(state.q + t * state.v + 0.5 * t * t * a, Coordinates::Zero(),
-                                      {}, {Vector3d::Zero()}, motion);
+                                      {state.rotor_speed}, {Vector3d::Zero()}, motion);
         return Eigen::Matrix3d(Eigen::AngleAxisd(input.yaw_rate * t, Vector3d::UnitZ()) *
                                motion.frame[0].R);
       };

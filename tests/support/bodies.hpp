@@ -62,7 +62,7 @@ inline std::vector<MovingBody> moving_bodies(
     moving.push_back(found);
   }
   for (std::size_t g = 0; g < tree.gimbals().size(); ++g) {
-    const auto [b, k] = tree.shape().gimbals.item[g];
+    const auto& [b, k, lie] = tree.shape().gimbals.item[g];
     const Pivot& carrier = pivots[static_cast<std::size_t>(b)];
     const Matrix3d& R = motion.frame[b].R;
     const Vector3d w = carrier.omega;
