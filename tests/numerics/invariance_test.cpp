@@ -124,8 +124,8 @@ TEST(Invariance, ShapesOfTheSameMachineAreAlike) {
     with(lie, change_by_shape<anyhow(shape_of(Arrangement::kTwoPairs))>(random, all[5]));
     with(lie, change_by_shape<anyhow(model::kGyroscopeShape)>(random, all[6]));
   }
-  EXPECT_LT(parents, 1e-13);  // measured 4.5e-18
-  EXPECT_LT(lie, 1e-13);      // measured 2.6e-16
+  EXPECT_LT(parents, 1e-13);  // measured 1.6e-14
+  EXPECT_LT(lie, 1e-13);      // measured 1.9e-16
 }
 
 TEST(Invariance, ShapesMustFitTheirBodies) {
