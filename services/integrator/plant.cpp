@@ -5,16 +5,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "services/model/unroll.hpp"
-
 namespace gyrotwin {
 
 namespace {
 
 /// Copies n numbers, 1 to `largest`, in line: for so few a call of memmove costs more.
 template <int largest>
-void copy_few(int n, const double* from, double* to) noexcept {
-  model::as_constant<largest>(n, [&](auto count) { std::copy_n(from, +count, to); });
+[[gnu::always_inline]] inline void copy_few(int n, const double* from, double* to) noexcept {
+  if constexpr (largest > 1) {
+    if (n < largest) return copy_few<largest - 1>(n, from, to);
+  }
+  std::copy_n(from, largest, to);
 }
 
 /// A state's parts, or their rates.

@@ -1,7 +1,5 @@
 #include "services/model/dynamics.hpp"
 
-#include <algorithm>
-
 #include "services/model/forces.hpp"
 
 namespace gyrotwin::model {
@@ -9,8 +7,6 @@ namespace gyrotwin::model {
 using Eigen::Vector3d;
 
 namespace {
-
-bool has_mass(const PointMass& added) { return added.mass != 0.0; }
 
 /// What an added mass does to M and f: as a body of that mass alone.
 template <class S>
@@ -31,9 +27,8 @@ void evaluate(const Machine& machine, const StateOf<S>& state, const Input& inpu
   const Vector3d weight(0.0, 0.0, machine.gravity);
   machine.tree.evaluate(state.q, state.v, {state.rotor_speed, rotor_rate},
                         {input.ground_acceleration + weight, input.yaw_rate}, motion);
-  if (!std::any_of(input.added.begin(), input.added.end(), has_mass)) return;
   for (const PointMass& added : input.added) {
-    if (has_mass(added)) add_mass(machine, added, motion);
+    if (added.mass != 0.0) add_mass(machine, added, motion);
   }
 }
 

@@ -129,15 +129,15 @@ struct Shape {
 
   /// Of the body added last.
   constexpr Shape& pivot_along(Axes axes) {
-    bodies.item[static_cast<std::size_t>(bodies.size - 1)].pivot = axes;
+    last().pivot = axes;
     return *this;
   }
   constexpr Shape& cm_along(Axes axes) {
-    bodies.item[static_cast<std::size_t>(bodies.size - 1)].cm = axes;
+    last().cm = axes;
     return *this;
   }
   constexpr Shape& with_rotor() {
-    bodies.item[static_cast<std::size_t>(bodies.size - 1)].has_rotor = true;
+    last().has_rotor = true;
     return *this;
   }
 
@@ -150,6 +150,9 @@ struct Shape {
     gimbals.add({carrier, coordinates++, gyros});
     return *this;
   }
+
+ private:
+  constexpr Joint& last() { return bodies.item[static_cast<std::size_t>(bodies.size - 1)]; }
 };
 
 }  // namespace gyrotwin::model

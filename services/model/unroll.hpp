@@ -11,7 +11,7 @@ namespace gyrotwin::model {
 
 /// Calls f with each index of a list, as a constant.
 template <IndexList list, class F>
-inline void each(const F& f) {
+void each(const F& f) {
   [&]<std::size_t... k>(std::index_sequence<k...>) {
     (f(std::integral_constant<int, list.item[k]>()), ...);
   }
@@ -20,18 +20,9 @@ inline void each(const F& f) {
 
 /// Calls f with 0 ... n - 1, as constants.
 template <int n, class F>
-inline void count_to(const F& f) {
+void count_to(const F& f) {
   [&]<int... k>(std::integer_sequence<int, k...>) { (f(std::integral_constant<int, k>()), ...); }
   (std::make_integer_sequence<int, n>());
-}
-
-/// Calls f with n, which is 1 to `largest`, as a constant.
-template <int largest, class F>
-inline auto as_constant(int n, const F& f) {
-  if constexpr (largest > 1) {
-    if (n < largest) return as_constant<largest - 1>(n, f);
-  }
-  return f(std::integral_constant<int, largest>());
 }
 
 }  // namespace gyrotwin::model
