@@ -18,7 +18,7 @@ inline constexpr std::array<std::string_view, 3> kStepperWords{"fixed", "adaptiv
 /// For --help, wherever one is asked for.
 inline constexpr const char* kStepperHelp =
     "fixed: loop.substeps a tick, as a live system; adaptive: as fine as a relative error of 1e-12 "
-    "asks; quick: Bogacki-Shampine 3(2), as coarse as an error of 2e-7 (1 + |y|) a step allows";
+    "asks; quick: Kutta's third order, as coarse as an error of 2e-7 (1 + |y|) a step allows";
 
 inline std::string word_of(StepPolicy::Kind kind) {
   return std::string(kStepperWords[static_cast<std::size_t>(kind)]);

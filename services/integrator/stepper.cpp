@@ -8,7 +8,7 @@
 #include <array>
 #include <string>
 
-#include "services/integrator/bogacki_shampine.hpp"
+#include "services/integrator/kutta.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -134,7 +134,7 @@ class Stepper::Quick : public Stepper::Solver {
   std::int64_t evaluations() const noexcept override { return pair_.evaluations(); }
 
  private:
-  BogackiShampine<n> pair_;
+  Kutta<n> pair_;
 };
 
 /// For the smallest n that holds the equation.

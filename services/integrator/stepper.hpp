@@ -23,7 +23,7 @@ struct StepPolicy {
   enum class Kind : std::uint8_t {
     kFixed,     ///< Dormand-Prince 5(4), equal steps: bounded and repeatable, as live
     kAdaptive,  ///< the same, as fine as kExact asks
-    kQuick,     ///< Bogacki-Shampine 3(2), as coarse as kCoarse allows
+    kQuick,     ///< Kutta's third order, as coarse as kCoarse allows
   };
   static constexpr double kExact = 1e-12;  ///< of an entry y, in a step, as estimated: of |y|
   static constexpr double kCoarse = 2e-7;  ///< likewise: of 1 + |y|

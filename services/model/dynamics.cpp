@@ -4,8 +4,6 @@
 
 namespace gyrotwin::model {
 
-using Eigen::Vector3d;
-
 namespace {
 
 /// What an added mass does to M and f: as a body of that mass alone.
@@ -24,9 +22,8 @@ void add_mass(const Machine& machine, const PointMass& added, MotionOf<S>& motio
 template <class S>
 void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,
               const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
-  const Vector3d weight(0.0, 0.0, machine.gravity);
   machine.tree.evaluate(state.q, state.v, {state.rotor_speed, rotor_rate},
-                        {input.ground_acceleration + weight, input.yaw_rate}, motion);
+                        support_of(machine, input), motion);
   for (const PointMass& added : input.added) {
     if (added.mass != 0.0) add_mass(machine, added, motion);
   }

@@ -6,6 +6,12 @@
 
 namespace gyrotwin::model {
 
+/// What carries the machine, its weight included.
+inline Support support_of(const Machine& machine, const Input& input) noexcept {
+  const Eigen::Vector3d weight(0.0, 0.0, machine.gravity);
+  return {input.ground_acceleration + weight, input.yaw_rate};
+}
+
 /// M and f. @param rotor_rate n' of the rotors [rad/s^2]
 template <class S>
 void evaluate(const Machine& machine, const StateOf<S>& state, const Input& input,

@@ -76,10 +76,10 @@ S load_cell_force(const LoadCell& cell, const StructurePoint<S>& point, const Ve
          cell.damping * (direction.dot(point.v) + carried);
 }
 
-/// All that disc and structure do to each other.
+/// All that disc and structure do to each other. @return the moment on the disc, disc axes
 template <class S>
-void add_disc_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
-                     const Input& input, CoordinatesOf<S>& Q) {
+Vector3<S> add_disc_forces(const Machine& machine, const MotionOf<S>& motion,
+                           const StateOf<S>& state, const Input& input, CoordinatesOf<S>& Q) {
   const DiscMotionOf<S> disc = disc_motion(machine, motion);
   const S spin = disc.omega.z();
   S along_axis = disc_friction(machine, spin);
@@ -95,6 +95,7 @@ void add_disc_forces(const Machine& machine, const MotionOf<S>& motion, const St
     moment += bushing_moment(b, disc);
   }
   add_pair(machine, disc, motion, moment, Q);
+  return moment;
 }
 
 }  // namespace
@@ -140,8 +141,8 @@ double load_cell_force(const Machine& machine, const Motion& motion, const Input
 }
 
 template <class S>
-void add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
-                const Input& input, CoordinatesOf<S>& Q) noexcept {
+Vector3<S> add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
+                      const Input& input, CoordinatesOf<S>& Q) noexcept {
   Q -= machine.damping.cwiseProduct(state.v);
   for (const Stop& stop : machine.stops) {
     Q[stop.coordinate] += stop_torque(stop, state.q[stop.coordinate], state.v[stop.coordinate]);
@@ -152,7 +153,8 @@ void add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf
     const S torque = drive.torque(input.mode, input.drive[i], state.v[drive.coordinate]);
     Q[drive.coordinate] += input.drive_strength[i] * torque;
   }
-  if (machine.disc_body != kFixed) add_disc_forces(machine, motion, state, input, Q);
+  Vector3<S> on_disc = Vector3<S>::Zero();
+  if (machine.disc_body != kFixed) on_disc = add_disc_forces(machine, motion, state, input, Q);
 
   const FrameOf<S>& structure = motion.frame[0];
   if (!input.force.isZero(0) || !input.moment.isZero(0)) {
@@ -168,6 +170,7 @@ void add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf
     const S pressed = load_cell_force(cell, point, direction, input.yaw_rate);
     for (int i = 0; i < machine.coordinates(); ++i) Q[i] -= pressed * point.J[i].dot(direction);
   }
+  return on_disc;
 }
 
 double spring_energy(const Machine& machine, const Motion& motion, const State& state) noexcept {
@@ -197,9 +200,9 @@ template StructurePoint<double> structure_point(const Machine&, const Motion&,
 template StructurePoint<Dual> structure_point(const Machine&, const MotionOf<Dual>&,
                                               const Vector3d&) noexcept;
 template double rate_of(const Machine&, const Motion&, const Drive&, const State&) noexcept;
-template void add_forces(const Machine&, const Motion&, const State&, const Input&,
-                         Coordinates&) noexcept;
-template void add_forces(const Machine&, const MotionOf<Dual>&, const StateOf<Dual>&, const Input&,
-                         CoordinatesOf<Dual>&) noexcept;
+template Vector3<double> add_forces(const Machine&, const Motion&, const State&, const Input&,
+                                    Coordinates&) noexcept;
+template Vector3<Dual> add_forces(const Machine&, const MotionOf<Dual>&, const StateOf<Dual>&,
+                                  const Input&, CoordinatesOf<Dual>&) noexcept;
 
 }  // namespace gyrotwin::model

@@ -29,34 +29,29 @@ Coordinates times(const Motion& motion, const Coordinates& v, int n) {
   return p;
 }
 
-/// (M q'' - f - Q) of the free disc's two tilt coordinates, with the level disc's accelerations.
-std::array<double, 2> holding_moment(const Machine& machine, const State& state,
-                                     const Coordinates& acceleration, const RotorSpeeds& rotor_rate,
-                                     const Input& input) {
-  const Machine& free = *machine.unheld;
+/// What holds the disc of a level machine: what the free disc's equations about x and y lack.
+/// @param motion filled
+std::array<double, 2> holding_moment(const Machine& machine, const State& state, const Input& input,
+                                     Motion& motion) {
+  const RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
+  evaluate(machine, state, input, rotor_rate, motion);
+  const Vector3d on_disc = add_forces(machine, motion, state, input, motion.f);
+  const Coordinates acceleration = machine.tree.solve(motion.M, motion.f);
+
   const auto lift = [](const Coordinates& x) {
     Coordinates y;
     y << x[0], x[1], 0.0, 0.0, x[2], x[3];
     return y;
   };
-  State lifted{lift(state.q), lift(state.v), state.rotor_speed};
-  Motion motion;
-  evaluate(free, lifted, input, rotor_rate, motion);
-  add_forces(free, motion, lifted, input, motion.f);
-  const Coordinates missing = times(motion, lift(acceleration), free.coordinates()) - motion.f;
-  return {missing[free.layout.disc_tilt[0]], missing[free.layout.disc_tilt[1]]};
-}
-
-/// The motion, and the moment that holds a disc level.
-void hold(const Machine& machine, const State& state, const Input& input, Motion& motion,
-          Effort& effort) {
-  if (!machine.unheld) {
-    evaluate(machine, state, input, {}, motion);
-    return;
-  }
-  const RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
-  const Coordinates acceleration = accelerate(machine, state, input, rotor_rate, motion);
-  effort.holding_moment = holding_moment(machine, state, acceleration, rotor_rate, input);
+  const Tree& tree = *machine.unheld;
+  Motion free;
+  tree.evaluate(lift(state.q), lift(state.v), {state.rotor_speed, rotor_rate},
+                support_of(machine, input), free);
+  const Coordinates inertia = times(free, lift(acceleration), tree.coordinates()) - free.f;
+  const auto missing = [&](int tilt) {
+    return inertia[tilt] - free.frame[machine.disc_body].Jw[tilt].dot(on_disc);
+  };
+  return {missing(2), missing(3)};
 }
 
 /// @param motion evaluated where the machine has a disc; else it is not read
@@ -219,7 +214,11 @@ State Machine::recall(const Observation& observation) const noexcept {
 Truth Machine::truth(const State& state, const Input& input) const noexcept {
   Truth truth;
   Motion motion;
-  hold(*this, state, input, motion, truth);
+  if (unheld) {
+    truth.holding_moment = holding_moment(*this, state, input, motion);
+  } else {
+    evaluate(*this, state, input, {}, motion);
+  }
   add_drives(*this, motion, state, input, truth);
 
   truth.kinetic_energy = 0.5 * state.v.dot(times(motion, state.v, coordinates()));
@@ -234,7 +233,11 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
 Effort Machine::effort(const State& state, const Input& input) const noexcept {
   Effort effort;
   Motion motion;
-  if (disc_body != kFixed) hold(*this, state, input, motion, effort);
+  if (unheld) {
+    effort.holding_moment = holding_moment(*this, state, input, motion);
+  } else if (disc_body != kFixed) {
+    evaluate(*this, state, input, {}, motion);
+  }
   add_drives(*this, motion, state, input, effort);
   return effort;
 }

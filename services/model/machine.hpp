@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -236,8 +235,8 @@ struct Machine {
   std::optional<Track> track{};             ///< of gimbal 0, on disc_body
   std::optional<RotorDrive> rotor_drive{};  ///< absent: rotors keep their speed, whatever happens
   std::optional<LoadCell> load_cell{};
-  /// Mount `level` only: the same machine with the disc free, which tells the holding moment.
-  std::shared_ptr<const Machine> unheld{};
+  /// Mount `level` only: the same bodies with the disc free, which tell the holding moment.
+  std::optional<Tree> unheld{};
 
   int coordinates() const { return tree.coordinates(); }
   /// Nominal rotor speeds at (q, v); missing entries are 0.

@@ -119,7 +119,7 @@ Machine build(const UmbrellaParameters& parameters) {
   if (parameters.mount == Mount::kLevel) {
     UmbrellaParameters unheld = parameters;
     unheld.mount = Mount::kUniversalJoint;
-    machine.unheld = std::make_shared<const Machine>(assemble(unheld));
+    machine.unheld = build_tree(unheld);
   }
   return machine;
 }

@@ -225,7 +225,7 @@ TEST(Effort, IsThatOfTheTruth) {
       EXPECT_EQ(effort.drive_margin, truth.drive_margin);
       EXPECT_EQ(effort.holding_moment, truth.holding_moment);
       EXPECT_NE(effort.drive_torque[0], 0.0);
-      EXPECT_EQ(effort.holding_moment[0] != 0.0, machine.unheld != nullptr);
+      EXPECT_EQ(effort.holding_moment[0] != 0.0, machine.unheld.has_value());
     }
   }
 }

@@ -23,25 +23,30 @@ using model::Mount;
 using model::PointMass;
 using model::Shape;
 using model::State;
+using model::Tree;
 using reference::Random;
 
 constexpr Shape with_body(Shape shape) {
   return shape.hang(0, 0, {}).pivot_along(model::kAnywhere);
 }
 
-/// The machine with the mass built in, as a body of its own on the structure.
+/// The tree with the mass built in, as a body of its own on the structure.
 template <Shape shape>
-Machine with_body(const Machine& machine, const PointMass& added) {
-  std::vector<Body> bodies = machine.tree.bodies();
+Tree with_body(const Tree& tree, const PointMass& added) {
+  std::vector<Body> bodies = tree.bodies();
   Body body;
   body.pivot = added.position;
   body.mass = added.mass;
   bodies.push_back(body);
+  return model::make_tree<with_body(shape)>(bodies, tree.gimbals());
+}
+
+template <Shape shape>
+Machine with_body(const Machine& machine, const PointMass& added) {
   Machine loaded = machine;
-  loaded.tree = model::make_tree<with_body(shape)>(bodies, machine.tree.gimbals());
+  loaded.tree = with_body<shape>(machine.tree, added);
   if (machine.unheld) {
-    loaded.unheld = std::make_shared<const Machine>(
-        with_body<shape_of(Mount::kUniversalJoint)>(*machine.unheld, added));
+    loaded.unheld = with_body<shape_of(Mount::kUniversalJoint)>(*machine.unheld, added);
   }
   return loaded;
 }
