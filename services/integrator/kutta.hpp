@@ -17,8 +17,8 @@ namespace gyrotwin {
 /// with the step that suited the end of the one before. No allocation, no exception.
 ///
 /// Its three stages hold a formula of second order too, the midpoint rule. Pairs whose last stage
-/// is the next step's first (Bogacki-Shampine) take one more where a call is one step, as in most
-/// ticks.
+/// is the next step's first (Bogacki-Shampine) take one more a call, of no use where the input then
+/// jumps; and most ticks are one step.
 template <int n>
 class Kutta {
  public:
@@ -40,7 +40,7 @@ class Kutta {
       const double h = last ? left : std::min(step_, 0.5 * left);
       if (t + h == t) break;
       const double error = attempt(t, h);
-      // The estimate is the error of the second-order result: it goes with the cube of the step.
+      // The estimate is a share of a second-order result's error: it goes with the step's cube.
       const double better = h * std::clamp(kSafety / std::cbrt(error), 0.2, 5.0);
       if (!(error <= 1.0)) {
         step_ = error > 1.0 ? better : 0.2 * h;
@@ -64,7 +64,8 @@ class Kutta {
   // Rates that jump with the state would have ever smaller steps go to and fro.
   static constexpr int kMostAttempts = 100'000;
   static constexpr double kSafety = 0.9;
-  // Of the midpoint rule's error: what Bogacki and Shampine's estimate is of a linear equation's.
+  // Of the midpoint rule's error. With it the estimate is Bogacki and Shampine's, to leading order,
+  // where y' = A y; of what is not linear or goes with t it is a quarter of theirs.
   static constexpr double kShare = 1.0 / 8.0;
 
   using Vector = Eigen::Array<double, n, 1>;

@@ -76,7 +76,7 @@ S load_cell_force(const LoadCell& cell, const StructurePoint<S>& point, const Ve
          cell.damping * (direction.dot(point.v) + carried);
 }
 
-/// All that disc and structure do to each other. @return the moment on the disc, disc axes
+/// All that disc and structure do to each other. @return as add_forces()
 template <class S>
 Vector3<S> add_disc_forces(const Machine& machine, const MotionOf<S>& motion,
                            const StateOf<S>& state, const Input& input, CoordinatesOf<S>& Q) {

@@ -32,8 +32,8 @@ Coordinates drive_direction(const Machine& machine, const Motion& motion,
 /// What the structure presses on the load cell with [N].
 double load_cell_force(const Machine& machine, const Motion& motion, const Input& input) noexcept;
 
-/// Adds everything to Q, which may be motion.f [N m]. @return the moment on the disc of what it and
-/// the structure do to each other, disc axes [N m]
+/// Adds everything to Q, which may be motion.f [N m]. @return the moment that the structure gives
+/// the disc: drive, friction, bushing and contact together; disc axes, 0 without a disc [N m]
 template <class S>
 Vector3<S> add_forces(const Machine& machine, const MotionOf<S>& motion, const StateOf<S>& state,
                       const Input& input, CoordinatesOf<S>& Q) noexcept;

@@ -16,8 +16,7 @@ namespace {
 
 /// The machine alone, on a support at rest.
 void evaluate(const Machine& machine, const State& state, Motion& motion) {
-  machine.tree.evaluate(state.q, state.v, {state.rotor_speed},
-                        {Vector3d(0.0, 0.0, machine.gravity)}, motion);
+  machine.tree.evaluate(state.q, state.v, {state.rotor_speed}, support_of(machine, {}), motion);
 }
 
 /// M v with the lower triangle of M.
@@ -30,7 +29,8 @@ Coordinates times(const Motion& motion, const Coordinates& v, int n) {
 }
 
 /// What holds the disc of a level machine: what the free disc's equations about x and y lack.
-/// @param motion filled
+/// README.md, section 6.
+/// @param motion filled, with f + Q in place of f
 std::array<double, 2> holding_moment(const Machine& machine, const State& state, const Input& input,
                                      Motion& motion) {
   const RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
@@ -38,6 +38,7 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   const Vector3d on_disc = add_forces(machine, motion, state, input, motion.f);
   const Coordinates acceleration = machine.tree.solve(motion.M, motion.f);
 
+  // The free disc's coordinates are thx, thy, bx, by, phi, tg.
   const auto lift = [](const Coordinates& x) {
     Coordinates y;
     y << x[0], x[1], 0.0, 0.0, x[2], x[3];
@@ -47,11 +48,9 @@ std::array<double, 2> holding_moment(const Machine& machine, const State& state,
   Motion free;
   tree.evaluate(lift(state.q), lift(state.v), {state.rotor_speed, rotor_rate},
                 support_of(machine, input), free);
-  const Coordinates inertia = times(free, lift(acceleration), tree.coordinates()) - free.f;
-  const auto missing = [&](int tilt) {
-    return inertia[tilt] - free.frame[machine.disc_body].Jw[tilt].dot(on_disc);
-  };
-  return {missing(2), missing(3)};
+  const Coordinates lacking = times(free, lift(acceleration), tree.coordinates()) - free.f;
+  const auto& Jw = free.frame[machine.disc_body].Jw;
+  return {lacking[2] - Jw[2].dot(on_disc), lacking[3] - Jw[3].dot(on_disc)};
 }
 
 /// @param motion evaluated where the machine has a disc; else it is not read

@@ -68,12 +68,12 @@ Gyro gyro_of(const UmbrellaParameters::Gyros& g, int j) {
           .rotor_index = j};
 }
 
-Tree build_tree(const UmbrellaParameters& p) {
+Tree build_tree(const UmbrellaParameters& p, Mount mount) {
   const std::vector<Body> bodies{structure_body(p.structure), disc_body(p)};
   std::vector<Gyro> gyros;
   for (int j = 0; j < p.gyros.count; ++j) gyros.push_back(gyro_of(p.gyros, j));
   const std::vector<Gimbal> gimbals{Gimbal(gyros)};
-  switch (p.mount) {
+  switch (mount) {
     case Mount::kLevel:
       return make_tree<shape_of(Mount::kLevel)>(bodies, gimbals);
     case Mount::kRigid:
@@ -84,10 +84,15 @@ Tree build_tree(const UmbrellaParameters& p) {
   return make_tree<shape_of(Mount::kUniversalJoint)>(bodies, gimbals);
 }
 
-Machine assemble(const UmbrellaParameters& p) {
+}  // namespace
+
+Machine build(const UmbrellaParameters& p) {
+  if (p.gyros.count < 3 || p.gyros.count > kMaxGyros) {
+    throw std::invalid_argument("umbrella: 3 or 4 gyros");
+  }
   const Layout layout = layout_of(p);
   const int elevation = layout.disc + 1;
-  Machine machine{build_tree(p), layout};
+  Machine machine{build_tree(p, p.mount), layout};
   machine.rotors = p.gyros.count;
   for (int j = 0; j < p.gyros.count; ++j) machine.nominal_rotor_speed[j] = p.gyros.rotor_speed;
   machine.push_point = {0.0, 0.0, p.structure.cm_height};
@@ -106,21 +111,7 @@ Machine assemble(const UmbrellaParameters& p) {
                      p.contact.damping,   p.contact.rolling_drag};
     if (p.track == TrackKind::kSlot) machine.track->clearance = p.contact.slot_clearance;
   }
-  return machine;
-}
-
-}  // namespace
-
-Machine build(const UmbrellaParameters& parameters) {
-  if (parameters.gyros.count < 3 || parameters.gyros.count > kMaxGyros) {
-    throw std::invalid_argument("umbrella: 3 or 4 gyros");
-  }
-  Machine machine = assemble(parameters);
-  if (parameters.mount == Mount::kLevel) {
-    UmbrellaParameters unheld = parameters;
-    unheld.mount = Mount::kUniversalJoint;
-    machine.unheld = build_tree(unheld);
-  }
+  if (p.mount == Mount::kLevel) machine.unheld = build_tree(p, Mount::kUniversalJoint);
   return machine;
 }
 

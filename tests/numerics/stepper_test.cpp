@@ -54,7 +54,7 @@ TEST(Stepper, AdaptiveStepsKeepTheirTolerance) {
 
 TEST(Stepper, QuickStepsKeepTheirTolerance) {
   const double error = error_at_10({StepPolicy::Kind::kQuick}, 1);
-  EXPECT_LT(error, 1e-5);  // measured 2e-6, of some 600 steps
+  EXPECT_LT(error, 1e-5);  // measured 2e-6, of some 460 steps
   EXPECT_GT(error, 1e-9);  // or they are not quick
   EXPECT_LT(error_at_10({StepPolicy::Kind::kQuick}, 1000), 1e-5);
 }
@@ -69,7 +69,7 @@ TEST(Stepper, QuickStepsBeginAsTheyEnded) {
   stepper.advance(1.0, 1.001, y);  // far less than a step
   EXPECT_EQ(stepper.evaluations(), 3);
   stepper.advance(1.001, 1.05, y);
-  EXPECT_EQ(stepper.evaluations(), 3 * 3);  // with a first step of any length: 13
+  EXPECT_EQ(stepper.evaluations(), 3 * 3);  // with a first step of any length: 11
 }
 
 TEST(Kutta, IsOfThirdOrderAndKeepsItsTolerance) {
@@ -88,8 +88,8 @@ TEST(Kutta, IsOfThirdOrderAndKeepsItsTolerance) {
   for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
     const Done fine = done(tolerance);
     const double cost = static_cast<double>(fine.evaluations) / coarse.evaluations;
-    EXPECT_NEAR(std::log10(cost), 2.0 / 3.0, 0.07);                 // measured 0.64 to 0.66
-    EXPECT_NEAR(std::log10(coarse.error / fine.error), 2.0, 0.15);  // measured 2.00 to 2.09
+    EXPECT_NEAR(std::log10(cost), 2.0 / 3.0, 0.07);                 // measured 0.64 to 0.67
+    EXPECT_NEAR(std::log10(coarse.error / fine.error), 2.0, 0.15);  // measured 2.00 to 2.08
     coarse = fine;
   }
 }
@@ -102,12 +102,14 @@ class Kink : public Ode {
 };
 
 TEST(Stepper, StepsMeetAJumpOfTheRates) {
-  for (const auto kind : {StepPolicy::Kind::kAdaptive, StepPolicy::Kind::kQuick}) {
+  // A jump within a quick step is off by up to 16 times its estimate, h / 3 for h / 48.
+  for (const auto& [kind, error] :
+       {std::pair{StepPolicy::Kind::kAdaptive, 1e-9}, std::pair{StepPolicy::Kind::kQuick, 5e-6}}) {
     Kink ode;
     Stepper stepper(ode, {kind});
     std::array<double, 1> y{0.0};
     EXPECT_TRUE(stepper.advance(0.0, 1.0, y));
-    EXPECT_NEAR(y[0], 0.7, 1e-6);
+    EXPECT_NEAR(y[0], 0.7, error);
     EXPECT_LT(stepper.evaluations(), 2000);
   }
 }

@@ -90,10 +90,10 @@ TEST_P(QuickSteps, AreOffByLittle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rigs, QuickSteps,
-                         testing::Values(std::pair("prototype_b", 1e-6),
-                                         std::pair("prototype_b_sleeping", 1e-8),
-                                         std::pair("double_brennan", 1e-7),
-                                         std::pair("brennan_monorail", 1e-7)),
+                         testing::Values(std::pair("prototype_b", 3e-7),
+                                         std::pair("prototype_b_sleeping", 3e-9),
+                                         std::pair("double_brennan", 5e-8),
+                                         std::pair("brennan_monorail", 5e-8)),
                          [](const auto& test) { return std::string(test.param.first); });
 
 TEST(Trial, CountsDrivesAtTheirLimitAndSlowRotors) {
