@@ -264,14 +264,14 @@ class Solver {
 
 /// For a tree of that shape.
 template <Shape shape, class S>
-[[gnu::flatten]] void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
+void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
                                   const CoordinatesOf<S>& v, const Rotors& rotors,
                                   const Support& support, MotionOf<S>& motion) noexcept {
   Evaluator<shape, S>(tree, v, rotors, motion).run(q, support);
 }
 
 template <Shape shape, class S>
-[[gnu::flatten]] CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M,
+CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M,
                                            const CoordinatesOf<S>& b) noexcept {
   return Solver<shape, S>::solve(M, b);
 }
