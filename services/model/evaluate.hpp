@@ -264,15 +264,13 @@ class Solver {
 
 /// For a tree of that shape.
 template <Shape shape, class S>
-void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q,
-                                  const CoordinatesOf<S>& v, const Rotors& rotors,
-                                  const Support& support, MotionOf<S>& motion) noexcept {
+void evaluate_as(const Tree& tree, const CoordinatesOf<S>& q, const CoordinatesOf<S>& v,
+                 const Rotors& rotors, const Support& support, MotionOf<S>& motion) noexcept {
   Evaluator<shape, S>(tree, v, rotors, motion).run(q, support);
 }
 
 template <Shape shape, class S>
-CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M,
-                                           const CoordinatesOf<S>& b) noexcept {
+CoordinatesOf<S> solve_as(const MassMatrixOf<S>& M, const CoordinatesOf<S>& b) noexcept {
   return Solver<shape, S>::solve(M, b);
 }
 
