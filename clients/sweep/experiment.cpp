@@ -57,6 +57,16 @@ std::string verdict_of(const Trial& trial) {
   return trial.outcome.verdict.growing() ? "growing" : "stands";
 }
 
+/// What is varied is set for each run; who hears of it said --vary.
+std::string in_words_of(const Plan& plan, std::string text) {
+  for (const Variable& variable : plan.variables) {
+    const std::string set = "--set " + variable.key + ':';
+    const std::size_t at = text.find(set);
+    if (at != std::string::npos) text.replace(at, set.size(), "--vary " + variable.key + ':');
+  }
+  return text;
+}
+
 std::string cell(double value) { return std::isfinite(value) ? number_text(value) : ""; }
 
 }  // namespace
@@ -179,7 +189,7 @@ std::string Experiment::refusal(std::int64_t run) const {
     start_of(rig, machine, chosen.start);
     events_of(rig, chosen.events);
   } catch (const Error& error) {
-    return error.what();
+    return in_words_of(plan_, error.what());
   }
   return "";
 }

@@ -50,7 +50,8 @@ void add_verdicts(const Results& results, Page& page) {
       {kStands, {"to the end", Tone::kGood}},
       {kGrowing, {"not fallen, but tilting further at the end than ever before", Tone::kDoubtful}},
       {kLeans, {"toppled onto its gimbals' stops, which hold it", Tone::kBad}},
-      {kFalls, {"its tilt passed the fall limit, or a gimbal its stop", Tone::kBad}},
+      {kFalls,
+       {"its tilt passed the fall limit; where nothing tilts, a gimbal met its stop", Tone::kBad}},
       {kFailed, {"no finite motion came out", Tone::kBad}},
       {kImpossible, {"there is no such rig: the rig file's rules refuse it", Tone::kPlain}}};
   Rows rows;
@@ -67,18 +68,19 @@ void add_verdicts(const Results& results, Page& page) {
   page.table({"", "runs", "share", "what it means"}, rows, tones);
 }
 
-/// Mean of the chosen runs' numbers as text; empty when there is none.
+/// Mean of the chosen runs' values as text; empty when there is none.
 template <class Choice>
-std::string mean_where(const Factor& factor, const Results& results, const Choice& choice) {
+std::string mean_where(const std::vector<double>& values, const Results& results,
+                       const Choice& choice) {
   double sum = 0.0;
   std::int64_t count = 0;
   for (std::size_t i = 0; i < results.runs(); ++i) {
     if (!results.counts(i) || !choice(i)) continue;
-    sum += factor.numbers[i];
+    sum += values[i];
     ++count;
   }
   if (count == 0) return "";
-  const auto [low, high] = std::ranges::minmax(factor.numbers);
+  const auto [low, high] = std::ranges::minmax(values);
   const double mean = sum / static_cast<double>(count);
   const bool rounding = std::abs(mean) < 1e-12 * (high - low);
   return fmt::format("{:.4g}", rounding ? 0.0 : mean);
@@ -92,13 +94,16 @@ void add_sensitivities(const Results& results, Page& page) {
   Rows rows;
   bool any_matters = false;
   for (const Factor* factor : by_influence(results)) {
-    const auto [low, high] = std::ranges::minmax(factor->numbers);
     const Influence seen = influence(*factor, results);
+    std::vector<double> values = factor->numbers;
+    if (seen.by_size)
+      std::ranges::transform(values, values.begin(), [](double x) { return std::abs(x); });
+    const auto [low, high] = std::ranges::minmax(values);
     any_matters |= seen.matters();
     rows.push_back({seen.by_size ? "|" + factor->key + "|" : factor->key,
                     fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
-                    mean_where(*factor, results, [&](std::size_t i) { return results.stands(i); }),
-                    mean_where(*factor, results, [&](std::size_t i) { return !results.stands(i); }),
+                    mean_where(values, results, [&](std::size_t i) { return results.stands(i); }),
+                    mean_where(values, results, [&](std::size_t i) { return !results.stands(i); }),
                     correlation(seen.standing), correlation(seen.tilt)});
   }
   if (rows.empty()) return;

@@ -52,7 +52,7 @@ Lines acting_block(const View& view, std::size_t most) {
   const status_t& owner = picture.owner->message;
   const std::int64_t told = std::int64_t{owner.disturbances} + owner.faults;
   if (told == 0) return {};
-  Lines lines{rule(view, {{0, fmt::format("acting: {} disturbance{}, {} fault{}",
+  Lines lines{rule(view, {{0, fmt::format("acting or to come: {} disturbance{}, {} fault{}",
                                           owner.disturbances, owner.disturbances == 1 ? "" : "s",
                                           owner.faults, owner.faults == 1 ? "" : "s")}})};
   for (const Acting& acting :
