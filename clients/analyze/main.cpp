@@ -114,8 +114,10 @@ int run(RigOptions& rig_options, const Options& options) {
   check(options, keys, family);
   const int processors = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1u));
   const int threads = options.threads > 0 ? options.threads : processors;
+  std::fprintf(stderr, "%g s of each closed loop are computed ...\n", options.duration);
   const Analysis analysis = analyse(rig, options.duration, threads);
   if (!options.report.empty()) {
+    std::fputs("the page's curves are computed ...\n", stderr);
     write_file(options.report,
                report_html(rig, analysis, figures_of(rig, analysis, family, keys, threads)));
   }

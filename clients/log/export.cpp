@@ -46,7 +46,7 @@ int export_log(const ExportOptions& options) {
                 static_cast<long long>(stream.messages));
   }
   for (const auto& file : files) {
-    std::printf("%s: %.1f MB\n", file.c_str(),
+    std::printf("%s: %.3f MB\n", file.c_str(),
                 1e-6 * static_cast<double>(std::filesystem::file_size(file)));
   }
   return kDone;
