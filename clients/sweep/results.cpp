@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -35,6 +36,13 @@ std::vector<double> Factor::levels() const {
   std::ranges::sort(distinct);
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   return distinct;
+}
+
+Factor Factor::sizes() const {
+  Factor all = *this;
+  all.key = "|" + key + "|";
+  for (double& x : all.numbers) x = std::abs(x);
+  return all;
 }
 
 Results read_results(const std::string& csv, const std::vector<Variable>& variables) {

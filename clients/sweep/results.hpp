@@ -22,6 +22,8 @@ struct Factor {
   std::vector<double> numbers;     ///< by run; empty when one of the texts is no number
   /// The distinct numbers, ascending.
   std::vector<double> levels() const;
+  /// |key|, with the numbers' magnitudes.
+  Factor sizes() const;
 };
 
 /// All runs of a sweep, column by column; numbers that were left empty are not finite.

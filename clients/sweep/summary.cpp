@@ -68,19 +68,18 @@ void add_verdicts(const Results& results, Page& page) {
   page.table({"", "runs", "share", "what it means"}, rows, tones);
 }
 
-/// Mean of the chosen runs' values as text; empty when there is none.
+/// Mean of the chosen runs' numbers as text; empty when there is none.
 template <class Choice>
-std::string mean_where(const std::vector<double>& values, const Results& results,
-                       const Choice& choice) {
+std::string mean_where(const Factor& factor, const Results& results, const Choice& choice) {
   double sum = 0.0;
   std::int64_t count = 0;
   for (std::size_t i = 0; i < results.runs(); ++i) {
     if (!results.counts(i) || !choice(i)) continue;
-    sum += values[i];
+    sum += factor.numbers[i];
     ++count;
   }
   if (count == 0) return "";
-  const auto [low, high] = std::ranges::minmax(values);
+  const auto [low, high] = std::ranges::minmax(factor.numbers);
   const double mean = sum / static_cast<double>(count);
   const bool rounding = std::abs(mean) < 1e-12 * (high - low);
   return fmt::format("{:.4g}", rounding ? 0.0 : mean);
@@ -95,15 +94,12 @@ void add_sensitivities(const Results& results, Page& page) {
   bool any_matters = false;
   for (const Factor* factor : by_influence(results)) {
     const Influence seen = influence(*factor, results);
-    std::vector<double> values = factor->numbers;
-    if (seen.by_size)
-      std::ranges::transform(values, values.begin(), [](double x) { return std::abs(x); });
-    const auto [low, high] = std::ranges::minmax(values);
+    const Factor shown = seen.by_size ? factor->sizes() : *factor;
+    const auto [low, high] = std::ranges::minmax(shown.numbers);
     any_matters |= seen.matters();
-    rows.push_back({seen.by_size ? "|" + factor->key + "|" : factor->key,
-                    fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
-                    mean_where(values, results, [&](std::size_t i) { return results.stands(i); }),
-                    mean_where(values, results, [&](std::size_t i) { return !results.stands(i); }),
+    rows.push_back({shown.key, fmt::format("{:.4g}", low), fmt::format("{:.4g}", high),
+                    mean_where(shown, results, [&](std::size_t i) { return results.stands(i); }),
+                    mean_where(shown, results, [&](std::size_t i) { return !results.stands(i); }),
                     correlation(seen.standing), correlation(seen.tilt)});
   }
   if (rows.empty()) return;

@@ -242,9 +242,7 @@ bool Influence::matters() const {
 
 Influence influence(const Factor& factor, const Results& results) {
   const Influence plain = correlations(factor, results);
-  Factor sizes = factor;
-  for (double& x : sizes.numbers) x = std::abs(x);
-  Influence by_size = correlations(sizes, results);
+  Influence by_size = correlations(factor.sizes(), results);
   by_size.by_size = true;
   return by_size.strength() > 1.5 * plain.strength() ? by_size : plain;
 }

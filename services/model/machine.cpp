@@ -28,11 +28,15 @@ Coordinates times(const Motion& motion, const Coordinates& v, int n) {
   return p;
 }
 
-/// What holds the disc of a level machine: what the free disc's equations about x and y lack.
-/// README.md, section 6.
-/// @param motion filled, with f + Q in place of f
+/// What holds the disc of a level machine: what the free disc's equations about x and y lack; else
+/// 0. README.md, section 6.
+/// @param motion filled, of a level machine with f + Q in place of f
 std::array<double, 2> holding_moment(const Machine& machine, const State& state, const Input& input,
                                      Motion& motion) {
+  if (!machine.unheld) {
+    evaluate(machine, state, input, {}, motion);
+    return {};
+  }
   const RotorSpeeds rotor_rate = machine.rotor_acceleration(state, input);
   evaluate(machine, state, input, rotor_rate, motion);
   const Vector3d on_disc = add_forces(machine, motion, state, input, motion.f);
@@ -213,11 +217,7 @@ State Machine::recall(const Observation& observation) const noexcept {
 Truth Machine::truth(const State& state, const Input& input) const noexcept {
   Truth truth;
   Motion motion;
-  if (unheld) {
-    truth.holding_moment = holding_moment(*this, state, input, motion);
-  } else {
-    evaluate(*this, state, input, {}, motion);
-  }
+  truth.holding_moment = holding_moment(*this, state, input, motion);
   add_drives(*this, motion, state, input, truth);
 
   truth.kinetic_energy = 0.5 * state.v.dot(times(motion, state.v, coordinates()));
@@ -232,11 +232,7 @@ Truth Machine::truth(const State& state, const Input& input) const noexcept {
 Effort Machine::effort(const State& state, const Input& input) const noexcept {
   Effort effort;
   Motion motion;
-  if (unheld) {
-    effort.holding_moment = holding_moment(*this, state, input, motion);
-  } else if (disc_body != kFixed) {
-    evaluate(*this, state, input, {}, motion);
-  }
+  if (disc_body != kFixed) effort.holding_moment = holding_moment(*this, state, input, motion);
   add_drives(*this, motion, state, input, effort);
   return effort;
 }

@@ -94,23 +94,37 @@ TEST(Kutta, IsOfThirdOrderAndKeepsItsTolerance) {
   }
 }
 
-/// y' = 0, and 1 after t = 0.3.
+/// y' = 0, and 1 from `at` on.
 class Kink : public Ode {
  public:
+  explicit Kink(double at) : at_(at) {}
   int size() const noexcept override { return 1; }
-  void rates(double t, const double*, double* dy) noexcept override { dy[0] = t < 0.3 ? 0.0 : 1.0; }
+  void rates(double t, const double*, double* dy) noexcept override { dy[0] = t < at_ ? 0.0 : 1.0; }
+
+ private:
+  double at_;
 };
 
 TEST(Stepper, StepsMeetAJumpOfTheRates) {
-  // A jump within a quick step is off by up to 16 times its estimate, h / 3 for h / 48.
-  for (const auto& [kind, error] :
-       {std::pair{StepPolicy::Kind::kAdaptive, 1e-9}, std::pair{StepPolicy::Kind::kQuick, 5e-6}}) {
-    Kink ode;
+  for (const auto kind : {StepPolicy::Kind::kAdaptive, StepPolicy::Kind::kQuick}) {
+    Kink ode(0.3);
     Stepper stepper(ode, {kind});
     std::array<double, 1> y{0.0};
     EXPECT_TRUE(stepper.advance(0.0, 1.0, y));
-    EXPECT_NEAR(y[0], 0.7, error);
+    EXPECT_NEAR(y[0], 0.7, 1e-6);
     EXPECT_LT(stepper.evaluations(), 2000);
+  }
+}
+
+/// A jump within a quick step of length h is off by h / 3 at most, and estimated at h / 48.
+TEST(Stepper, QuickStepsAreOffBySixteenTolerancesAtAJumpAtMost) {
+  constexpr double kMost = 16.0 * StepPolicy::kCoarse;
+  for (int i = 1; i < 100; ++i) {
+    Kink ode(0.01 * i);
+    Stepper stepper(ode, {StepPolicy::Kind::kQuick});
+    std::array<double, 1> y{0.0};
+    EXPECT_TRUE(stepper.advance(0.0, 1.0, y));
+    EXPECT_NEAR(y[0], 1.0 - 0.01 * i, kMost) << i;  // measured 3.05056e-06
   }
 }
 
