@@ -5,17 +5,13 @@
 #include <cmath>
 
 #include "services/mirror/filter.hpp"
+#include "services/mirror/first_guess.hpp"
 #include "services/onboard/gh_filter.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
 
-using Eigen::Vector3d;
-
 namespace {
-
-// No sensor says more, in any unit.
-constexpr double kAbsurd = 1e9;
 
 // Transients of the start are over after this time [s].
 constexpr double kSettling = 1.0;
@@ -28,17 +24,6 @@ constexpr double kRotorBandwidth = 20.0;
 
 // A rotor's reading that is off by so many sigmas has jumped.
 constexpr double kRotorJump = 8.0;
-
-// Uncertainty at the start, beside what the sensors say: rates of gimbals and disc [rad/s], tilts
-// [rad]; at rest, and on top for each rad/s that the gyro says, or as for 1 rad/s under way.
-struct StartWidth {
-  double gimbal_rate, disc_rate, tilt, disc_tilt, disc_tilt_rate;
-};
-constexpr StartWidth kAtRest{0.1, 1.0, 2e-3, 0.02, 0.1}, kMoving{10.0, 10.0, 0.3, 0.3, 1.0};
-
-constexpr double kStartTiltRate =
-    0.1;                        // what contact does at once where the tilt is not quite right
-constexpr double kMoves = 8.0;  // sigmas of a gyro
 
 // A push is up to so many times what the unknown moment is at the start.
 constexpr double kHardestPush = 2000.0;
@@ -130,84 +115,8 @@ void Follower::step(const sensors_t& sensors, const model::Input& acting) noexce
 }
 
 void Follower::Core::start(const sensors_t& first) noexcept {
-  const Rig::Sensors& sensors = *rig.sensors;
-  const int n = machine.coordinates();
-  model::State state = rig.initial_state(machine);
-  const auto heard_of = [&first](int sensor, double value) {
-    return (first.valid & valid_bit(sensor)) && std::abs(value) < kAbsurd;
-  };
-
-  // Rates of tilt by the gyro.
-  const double* w = first.gyro_rad_s;
-  const bool turns_heard = heard_of(kGyro, w[0]) && heard_of(kGyro, w[1]) && heard_of(kGyro, w[2]);
-  const double gyro_sigma =
-      std::max(std::hypot(sensors.gyro.noise, sensors.gyro.bias, sensors.gyro.resolution), 1e-6);
-  Vector3d omega = Vector3d::Zero();
-  if (turns_heard) omega = sensors.imu_axes() * Vector3d(w[0], w[1], w[2]);
-  const bool moves = omega.norm() > kMoves * gyro_sigma;
-  // Under way it may be anywhere in a swing, even where the gyro says nothing.
-  const bool under_way = first.header.tick > 0;
-  const double turning = under_way ? 1.0 : moves ? std::min(omega.norm(), 1.0) : 0.0;
-  const auto width = [turning](double StartWidth::*of) {
-    return kAtRest.*of + turning * kMoving.*of;
-  };
-  Filter::Point sigma = Filter::Point::Constant(2 * n, width(&StartWidth::gimbal_rate));
-  for (int i = 0; i < 2; ++i) {
-    const int tilt = machine.layout.tilt[i], disc_tilt = machine.layout.disc_tilt[i];
-    if (tilt == model::kFixed) continue;
-    if (moves) state.v[tilt] = omega[i];
-    sigma[n + tilt] = kStartTiltRate + 0.1 * turning;
-    if (disc_tilt == model::kFixed) continue;
-    if (moves) state.v[disc_tilt] = omega[i];
-    sigma[n + disc_tilt] = width(&StartWidth::disc_tilt_rate);
-  }
-
-  // Tilt by gravity across the structure. In a swing the accelerometer feels more than that.
-  const double* f = first.acceleration_m_s2;
-  if (!under_way && heard_of(kAccelerometer, f[0]) && heard_of(kAccelerometer, f[1]) &&
-      heard_of(kAccelerometer, f[2])) {
-    const Vector3d up = sensors.imu_axes() * Vector3d(f[0], f[1], f[2]) / machine.gravity;
-    const double sx = std::clamp(up.y(), -0.9, 0.9);
-    const double sy = std::clamp(-up.x() / std::sqrt(1.0 - sx * sx), -0.9, 0.9);
-    const std::array<double, 2> tilt{std::asin(sx), std::asin(sy)};
-    for (int i = 0; i < 2; ++i) {
-      if (machine.layout.tilt[i] == model::kFixed) continue;
-      state.q[machine.layout.tilt[i]] = tilt[i];
-      if (machine.layout.disc_tilt[i] != model::kFixed) {
-        state.q[machine.layout.disc_tilt[i]] = tilt[i];
-      }
-    }
-  }
-  const double noise = std::hypot(sensors.acceleration.noise, sensors.acceleration.bias);
-  for (int i = 0; i < 2; ++i) {
-    const int tilt = machine.layout.tilt[i], disc_tilt = machine.layout.disc_tilt[i];
-    // The IMU feels what the tilt would do if it were let go: a tenth of it is left to doubt.
-    if (tilt == model::kFixed) continue;
-    sigma[tilt] =
-        std::hypot(noise / machine.gravity, width(&StartWidth::tilt), 0.1 * state.q[tilt]);
-    if (disc_tilt != model::kFixed) sigma[disc_tilt] = width(&StartWidth::disc_tilt);
-  }
-
-  const int disc = machine.layout.disc;
-  if (disc != model::kFixed) {
-    if (heard_of(kDisc, first.disc_angle_rad)) state.q[disc] = first.disc_angle_rad;
-    sigma[disc] = std::hypot(sensors.disc.noise, sensors.disc.resolution, 1e-6);
-    sigma[n + disc] = width(&StartWidth::disc_rate);
-  }
-  const auto& gimbals = machine.layout.gimbals;
-  for (int i = 0; i < n; ++i) {
-    double sum = 0.0;
-    int count = 0;
-    for (std::size_t j = 0; j < gimbals.size(); ++j) {
-      if (gimbals[j].coordinate != i) continue;
-      sigma[i] = std::hypot(sensors.gimbal.noise, sensors.gimbal.resolution, sensors.gimbal.bias);
-      if (!heard_of(kGimbals, first.gimbal_angle_rad[j])) continue;
-      sum += first.gimbal_angle_rad[j] / gimbals[j].coefficient;
-      ++count;
-    }
-    if (count > 0) state.q[i] = sum / count;
-  }
-  filter.start(state, sigma);
+  const FirstGuess guess = first_guess(rig, machine, first);
+  filter.start(guess.state, guess.sigma);
 
   rotor_heard.fill(false);
   tick.rotor_speed = machine.nominal_rotor_speed;
@@ -230,9 +139,9 @@ void Follower::Core::hear_rotors(const sensors_t& sensors) noexcept {
     Innovation& innovation = innovations[kRotors];
     const double speed = sensors.rotor_speed_rad_s[j];
     const bool told = sensors.valid & valid_bit(kRotors);
-    const bool sane = told && std::abs(speed) < kAbsurd;
-    innovation.insane |= told && !sane;
-    if (!sane) {
+    const bool usable = told && sane(speed);
+    innovation.insane |= told && !usable;
+    if (!usable) {
       rotor[j] = {machine.nominal_rotor_speed[j]};
     } else if (!rotor_heard[j]) {
       rotor[j] = {speed};
@@ -251,7 +160,7 @@ void Follower::Core::hear_rotors(const sensors_t& sensors) noexcept {
         innovation.refused = true;
       }
     }
-    rotor_heard[j] = sane;
+    rotor_heard[j] = usable;
     tick.rotor_speed[j] = rotor[j].angle;
     tick.rotor_rate[j] = machine.rotor_drive ? rotor[j].drift : 0.0;
   }
@@ -313,7 +222,7 @@ void Follower::Core::look(const sensors_t& sensors) noexcept {
     Innovation& innovation = innovations[channel.sensor];
     if (!(sensors.valid & valid_bit(channel.sensor))) continue;
     heard[c] = channels_of(sensors, channel.sensor, machine).value[channel.index];
-    if (!(std::abs(heard[c]) < kAbsurd)) {
+    if (!sane(heard[c])) {
       innovation.insane = true;
       continue;
     }

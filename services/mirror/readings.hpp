@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "messages/channels.hpp"
@@ -24,6 +25,9 @@ enum Sensor : int {
   kSensors
 };
 constexpr std::int32_t valid_bit(int sensor) noexcept { return 1 << sensor; }
+
+/// No sensor says more than 1e9, in any unit.
+inline bool sane(double reading) noexcept { return std::abs(reading) < 1e9; }
 
 /// The channels of a sensor in a message, and how many a machine has of them.
 struct ChannelsOf {
