@@ -42,7 +42,8 @@ def _measure(name, figures, **more):
 
 
 def _scale(name, figures, **more):
-    return _measure(name, figures, quick=("--quick",), targets=("binaries",), namespace=True, **more)
+    return _measure(name, figures, quick=("--quick",), targets=("binaries", "pauses"),
+                    namespace=True, **more)
 
 
 PROGRAMS = (
