@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "messages/big_endian.hpp"
 #include "services/runtime/datagram.hpp"
 #include "services/runtime/error.hpp"
-#include "services/schema/big_endian.hpp"
 
 namespace gyrotwin {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "messages/big_endian.hpp"
 #include "services/runtime/error.hpp"
-#include "services/schema/big_endian.hpp"
 
 namespace gyrotwin {
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "services/schema/big_endian.hpp"
+#include "messages/big_endian.hpp"
 
 namespace gyrotwin {
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "messages/big_endian.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -19,20 +20,6 @@ constexpr std::size_t kPrologue = 8;                  // magic and packet number
 constexpr std::size_t kRigIdAt = 8;
 constexpr std::size_t kEpochAt = 16;
 constexpr std::size_t kSequenceAt = 24;
-
-template <class Unsigned>
-Unsigned read_big_endian(std::span<const std::uint8_t> bytes, std::size_t at) noexcept {
-  Unsigned value = 0;
-  for (std::size_t i = 0; i < sizeof value; ++i) {
-    value = static_cast<Unsigned>(value << 8) | bytes[at + i];
-  }
-  return value;
-}
-
-template <class Unsigned>
-void write_big_endian(Unsigned value, std::uint8_t* to) noexcept {
-  for (std::size_t i = sizeof value; i-- > 0; value >>= 8) to[i] = static_cast<std::uint8_t>(value);
-}
 
 /// BLAKE2b-256, keyed.
 void hash(std::uint8_t* mac, std::span<const std::uint8_t> bytes, const Key& key) noexcept {
@@ -106,22 +93,19 @@ DatagramFormat::DatagramFormat(const std::string& prefix, std::int32_t rig_id,
 
 Parsed DatagramFormat::parse(std::span<const std::uint8_t> datagram) const noexcept {
   if (datagram.size() < kPrologue) return {Verdict::kMalformed};
-  const auto magic = read_big_endian<std::uint32_t>(datagram, 0);
+  const auto magic = big_endian<std::uint32_t>(datagram, 0);
   if (magic == kFragmentMagic) return {Verdict::kForeign};
   if (magic != kShortMagic) return {Verdict::kMalformed};
 
   // The name ends with a NUL, and liblcm knows none longer than 63 characters.
   const auto rest = datagram.subspan(kPrologue);
-  const auto name_end = std::find(rest.begin(), rest.end(), std::uint8_t{0});
-  const auto name_size = static_cast<std::size_t>(name_end - rest.begin());
-  if (name_end == rest.end() || name_size == 0 || name_size > kMaxChannelName) {
+  const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
+  const std::string_view channel = text.substr(0, text.find('\0'));
+  if (channel.size() == text.size() || channel.empty() || channel.size() > kMaxChannelName) {
     return {Verdict::kMalformed};
   }
-  const auto name = std::ranges::find_if(names_, [&](const std::string& known) {
-    return known.size() == name_size && std::memcmp(known.data(), rest.data(), name_size) == 0;
-  });
-  const std::string_view channel(reinterpret_cast<const char*>(rest.data()), name_size);
-  const auto payload = rest.subspan(name_size + 1);
+  const auto name = std::ranges::find(names_, channel);
+  const auto payload = rest.subspan(channel.size() + 1);
   if (name == names_.end()) {
     return {.verdict = Verdict::kForeign, .payload = payload, .name = channel};
   }
@@ -129,15 +113,14 @@ Parsed DatagramFormat::parse(std::span<const std::uint8_t> datagram) const noexc
   // From here on it claims to be ours: the right type in every byte that says so.
   const auto index = static_cast<std::size_t>(name - names_.begin());
   if (payload.size() != kChannels[index].size) return {Verdict::kMalformed};
-  if (read_big_endian<std::uint64_t>(payload, 0) != fingerprints_[index]) {
+  if (big_endian<std::uint64_t>(payload, 0) != fingerprints_[index]) {
     return {Verdict::kMalformed};
   }
-  if (static_cast<std::int32_t>(read_big_endian<std::uint32_t>(payload, kRigIdAt)) != rig_id_) {
+  if (static_cast<std::int32_t>(big_endian<std::uint32_t>(payload, kRigIdAt)) != rig_id_) {
     return {Verdict::kOtherRig};
   }
-  const auto epoch = static_cast<std::int64_t>(read_big_endian<std::uint64_t>(payload, kEpochAt));
-  const auto sequence =
-      static_cast<std::int64_t>(read_big_endian<std::uint64_t>(payload, kSequenceAt));
+  const auto epoch = static_cast<std::int64_t>(big_endian<std::uint64_t>(payload, kEpochAt));
+  const auto sequence = static_cast<std::int64_t>(big_endian<std::uint64_t>(payload, kSequenceAt));
   if (epoch < 0 || sequence < 0) return {Verdict::kMalformed};
   if (!authentic(datagram)) return {Verdict::kUnauthentic};
   return {Verdict::kGood, kChannels[index].channel, epoch, sequence, payload, channel};
@@ -150,8 +133,8 @@ std::size_t DatagramFormat::begin(Frame& frame, Channel channel,
 
 std::size_t DatagramFormat::begin(Frame& frame, std::string_view channel,
                                   std::uint32_t packet_number) noexcept {
-  write_big_endian(kShortMagic, frame.data());
-  write_big_endian(packet_number, frame.data() + 4);
+  put_big_endian(kShortMagic, frame.data());
+  put_big_endian(packet_number, frame.data() + 4);
   std::memcpy(frame.data() + kPrologue, channel.data(), channel.size());
   frame[kPrologue + channel.size()] = 0;
   return kPrologue + channel.size() + 1;

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
+#include "messages/big_endian.hpp"
 #include "services/runtime/error.hpp"
 #include "services/runtime/spelling.hpp"
-#include "services/schema/big_endian.hpp"
 
 namespace gyrotwin {
 

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cctype>
 
-#include "services/schema/big_endian.hpp"
+#include "messages/big_endian.hpp"
 #include "services/schema/lcm_source.hpp"
 
 namespace gyrotwin {

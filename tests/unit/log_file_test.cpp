@@ -16,8 +16,8 @@
 #include "clients/log/log_line.hpp"
 #include "clients/log/log_reader.hpp"
 #include "clients/log/log_series.hpp"
+#include "messages/big_endian.hpp"
 #include "services/runtime/error.hpp"
-#include "services/schema/big_endian.hpp"
 #include "tests/support/distinct.hpp"
 #include "tests/support/small_log.hpp"
 

@@ -6,7 +6,7 @@
 #include <bit>
 #include <string>
 
-#include "services/schema/big_endian.hpp"
+#include "messages/big_endian.hpp"
 
 namespace gyrotwin {
 namespace {
