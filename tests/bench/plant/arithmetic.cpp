@@ -92,11 +92,12 @@ void measure_arithmetic(const std::vector<std::string>& rigs, double seconds) {
 
     const Contest own = contest(pass.rig, false);
     Floor floor(arithmetic);
-    const Slice floors = [&floor](std::size_t) {
-      for (std::size_t i = 0; i < kSlice; ++i) floor.run();
+    const Slice floors = [&floor](std::size_t, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) floor.run();
     };
+    const std::size_t samples = own.samples.size();
     const std::vector<double> medians =
-        medians_in_turns({slice_of(*own.subjects[0]), floors}, own.samples.size(), seconds);
+        medians_in_turns({slice_of(*own.subjects[0], samples), floors}, samples, seconds);
     Figure{"arithmetic", pass.rig, "gyrotwin"}.print("p50", "ns", medians[0]);
     Figure{"arithmetic", pass.rig, "floor"}.print("p50", "ns", medians[1]);
   }
