@@ -139,11 +139,10 @@ class LoopOde : public Ode {
     input_finite_ = input_finite_ && finite(input_);
   }
 
-  /// What acts at local time t. The last input stays readable.
-  void look(double t, const double* y) noexcept {
+  /// What acts at local time t, the law's memory being z. The last input stays readable.
+  void look(double t, const model::State& state, const double* z) noexcept {
     std::array<double, kMaxLawStates> ignored;
-    const model::State state = unpack(machine_, y, scenario_.start.rotor_speed);
-    if (act(t, state, y + packed_size(machine_), ignored.data())) check(state);
+    if (act(t, state, z, ignored.data())) check(state);
   }
   const model::Input& input() const { return input_; }
   bool input_finite() const { return input_finite_; }
@@ -217,7 +216,7 @@ class Run {
     pack(machine, state_, y_.data());
     if (law_) {
       const LawState memory = law_->start(machine.observe(state_));
-      std::copy_n(memory.data(), law_->states(), y_.data() + packed_size(machine));
+      std::copy_n(memory.data(), law_->states(), law_memory());
     }
     breakpoints_ = scenario.external.breakpoints;
     if (!scenario.sampled && scenario.torque) {
@@ -232,7 +231,7 @@ class Run {
     outcome_.verdict.note(0.0, machine_, state_);
     if (!scenario_.sampled) {
       ode_.stay_within(0.5 * grid_.length(0));
-      ode_.look(0.0, y_.data());
+      ode_.look(0.0, state_, law_memory());
     }
     show();
     for (std::int64_t i = 0; i < grid_.steps; ++i) {
@@ -253,6 +252,8 @@ class Run {
   }
 
  private:
+  double* law_memory() { return y_.data() + packed_size(machine_); }
+
   void show() {
     spectator_.sample(
         {outcome_.t, state_, ode_.input(), sampled_ ? sampled_->estimate() : nullptr});
@@ -279,7 +280,7 @@ class Run {
     const model::State next = unpack(machine_, y_.data(), scenario_.start.rotor_speed);
     if (!next.finite()) return false;
     state_ = next;
-    ode_.look(length, y_.data());
+    ode_.look(length, state_, law_memory());
     if (sampled_) sampled_->look(i, state_, ode_.input());
     return true;
   }
