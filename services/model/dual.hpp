@@ -13,7 +13,9 @@ struct Dual {
   double slope = 0.0;
 
   constexpr Dual() = default;
-  constexpr Dual(double v, double s = 0.0) : value(v), slope(s) {}
+  // A number is one that does not change: implicit, as Eigen needs it.
+  constexpr Dual(double v, double s = 0.0)  // NOLINT(google-explicit-constructor)
+      : value(v), slope(s) {}
 
   constexpr Dual& operator+=(const Dual& b) { return *this = {value + b.value, slope + b.slope}; }
   constexpr Dual& operator-=(const Dual& b) { return *this = {value - b.value, slope - b.slope}; }
