@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "messages/big_endian.hpp"
 #include "services/runtime/error.hpp"
 
 namespace gyrotwin {
@@ -122,9 +123,7 @@ void Line::lose(int error) noexcept {
 }
 
 std::uint64_t Line::type_of(std::span<const std::uint8_t> payload) noexcept {
-  std::uint64_t type = 0;
-  for (std::size_t i = 0; i < 8; ++i) type = type << 8 | payload[i];
-  return type;
+  return big_endian<std::uint64_t>(payload, 0);
 }
 
 /// @return whether there are bytes to take

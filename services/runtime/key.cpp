@@ -11,6 +11,7 @@
 #include <cstring>
 #include <string>
 
+#include "messages/big_endian.hpp"
 #include "services/runtime/descriptor.hpp"
 #include "services/runtime/error.hpp"
 
@@ -134,9 +135,7 @@ std::string fingerprint(const Key& key) {
 std::uint64_t digest(std::span<const std::uint8_t> bytes) noexcept {
   std::array<std::uint8_t, crypto_generichash_BYTES> hash;
   crypto_generichash(hash.data(), hash.size(), bytes.data(), bytes.size(), nullptr, 0);
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < sizeof value; ++i) value = value << 8 | hash[i];
-  return value;
+  return big_endian<std::uint64_t>(hash, 0);
 }
 
 std::int64_t random_id() noexcept {

@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "messages/big_endian.hpp"
+
 namespace gyrotwin::netcheck {
 namespace {
 
@@ -57,9 +59,8 @@ class Writer {
  public:
   explicit Writer(std::uint8_t* at) : at_(at) {}
   void operator()(std::int64_t value) noexcept {
-    for (int shift = 56; shift >= 0; shift -= 8) {
-      *at_++ = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> shift);
-    }
+    put_big_endian(static_cast<std::uint64_t>(value), at_);
+    at_ += sizeof value;
   }
   template <std::size_t N>
   void operator()(const std::uint8_t (&text)[N]) noexcept {
@@ -77,9 +78,8 @@ class Reader {
  public:
   explicit Reader(const std::uint8_t* at) : at_(at) {}
   void operator()(std::int64_t& value) noexcept {
-    std::uint64_t bits = 0;
-    for (int i = 0; i < 8; ++i) bits = bits << 8 | *at_++;
-    value = static_cast<std::int64_t>(bits);
+    value = static_cast<std::int64_t>(big_endian<std::uint64_t>({at_, sizeof value}, 0));
+    at_ += sizeof value;
   }
   template <std::size_t N>
   void operator()(std::uint8_t (&text)[N]) noexcept {
