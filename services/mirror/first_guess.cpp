@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "services/mirror/readings.hpp"
+
 namespace gyrotwin {
 
 using Eigen::Vector3d;
@@ -64,18 +66,18 @@ FirstGuess first_guess(const Rig& rig, const model::Machine& machine,
   FirstGuess guess{rig.initial_state(machine),
                    Prediction::Point::Constant(2 * n, width(&Width::gimbal_rate))};
   auto& [state, sigma] = guess;
-  std::array<double, 2> told{};
-  if (up) told = tilts_of(sensors.imu_axes() * *up / machine.gravity);
+  std::array<double, 2> tilts{};
+  if (up) tilts = tilts_of(sensors.imu_axes() * *up / machine.gravity);
   for (int i = 0; i < 2; ++i) {
     const int tilt = layout.tilt[i], disc_tilt = layout.disc_tilt[i];
     if (tilt == model::kFixed) continue;
-    if (up) state.q[tilt] = told[i];
+    if (up) state.q[tilt] = tilts[i];
     if (moves) state.v[tilt] = omega[i];
     // The IMU feels what the tilt would do if it were let go: a tenth of it is left to doubt.
     sigma[tilt] = std::hypot(up_sigma, width(&Width::tilt), 0.1 * state.q[tilt]);
     sigma[n + tilt] = kTiltRate + 0.1 * turning;
     if (disc_tilt == model::kFixed) continue;
-    if (up) state.q[disc_tilt] = told[i];
+    if (up) state.q[disc_tilt] = tilts[i];
     if (moves) state.v[disc_tilt] = omega[i];
     sigma[disc_tilt] = width(&Width::disc_tilt);
     sigma[n + disc_tilt] = width(&Width::disc_tilt_rate);

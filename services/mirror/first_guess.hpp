@@ -8,12 +8,12 @@
 namespace gyrotwin {
 
 struct FirstGuess {
-  model::State state;       ///< at nominal rotor speeds
+  model::State state;       ///< rotor speeds: the rig's initial ones
   Prediction::Point sigma;  ///< standard deviations of (q, v) [rad], [rad/s]
 };
 
-/// At tick 0 at rest (HELD), at a later tick anywhere in a swing. Of sensors that say nothing the
-/// rig's initial state stands.
+/// At tick 0 at rest (HELD) unless the gyro turns, at a later tick anywhere in a swing, where the
+/// accelerometer tells no tilt. What no sensor tells is as in the rig's initial state.
 /// @pre rig.sensors
 FirstGuess first_guess(const Rig& rig, const model::Machine& machine,
                        const sensors_t& first) noexcept;

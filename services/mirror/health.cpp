@@ -156,7 +156,7 @@ void Health::judge_sensors(const Follower& follower, const sensors_t& sensors) n
     Innovation innovation = follower.innovations()[s];
     if (s == kBusVoltage && count > 0) {
       // No part of the filter: it is the supply's, or it is not.
-      const bool insane = !(std::abs(*value) < 1e9);
+      const bool insane = !sane(*value);
       innovation.insane = insane;
       innovation.channels = insane ? 0 : 1;
       innovation.expected[0] = supply_;
