@@ -168,7 +168,7 @@ double default_length(const model::Machine& machine) { return machine.track ? 0.
 
 double seam_sigma(Eigen::Index i, int n) {
   if (i < n) return kSeam;
-  return i < 2 * n ? 10.0 * kSeam : 1e4 * kSeam;
+  return i < Eigen::Index{2} * n ? 10.0 * kSeam : 1e4 * kSeam;
 }
 
 model::Input input_of(const Moment& moment, const model::Machine& machine) {

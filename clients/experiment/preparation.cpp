@@ -131,7 +131,7 @@ std::string misfit(const ExperimentPlan& plan, const Rig& rig, bool simulated,
   if (keys_of(*plan.kind, rig).empty()) {
     return fmt::format("a {} tells nothing of such a machine", plan.kind->name);
   }
-  const std::string why = misarranged(plan, rig, simulated, given);
+  std::string why = misarranged(plan, rig, simulated, given);
   if (!why.empty()) return why;
   if (!is_named(plan, "swing")) return {};
   const double restoring = -model::kGravity * plan.mass_kg * plan.mass_height_m - toppling(rig);

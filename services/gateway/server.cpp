@@ -43,7 +43,8 @@ std::string_view path_of(std::string_view target) { return target.substr(0, targ
 
 /// One WebSocket.
 struct Session {
-  Session(beast::tcp_stream&& stream) : socket(std::move(stream)), wake(socket.get_executor()) {
+  explicit Session(beast::tcp_stream&& stream)
+      : socket(std::move(stream)), wake(socket.get_executor()) {
     wake.expires_at(asio::steady_timer::time_point::max());
   }
   Socket socket;
@@ -151,7 +152,7 @@ class Server::Impl {
     if (question.count(http::field::origin) > 0) {
       caller.origin = view(question[http::field::origin]);
     }
-    const Access::Verdict verdict = parts_.access.judge(caller);
+    Access::Verdict verdict = parts_.access.judge(caller);
     if (verdict.role == Role::kNobody) {
       ++counters_.refused_access;
       refusal_ = verdict.reason;

@@ -13,7 +13,7 @@ struct Dual {
   double slope = 0.0;
 
   constexpr Dual() = default;
-  // A number is one that does not change: implicit, as Eigen needs it.
+  // A plain number is a constant, of slope 0: implicit, as Eigen needs it.
   constexpr Dual(double v, double s = 0.0)  // NOLINT(google-explicit-constructor)
       : value(v), slope(s) {}
 

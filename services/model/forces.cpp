@@ -104,7 +104,7 @@ template <class S>
 StructurePoint<S> structure_point(const Machine& machine, const MotionOf<S>& motion,
                                   const Vector3d& position) noexcept {
   const FrameOf<S>& structure = motion.frame[0];
-  const Vector3<S> arm = position.cast<S>();
+  const Vector3<S>& arm = position.cast<S>();
   const Vector3<S> v_arm = structure.omega.cross(arm);
   StructurePoint<S> point;
   point.p = structure.R * arm;

@@ -71,6 +71,7 @@ Gyro gyro_of(const UmbrellaParameters::Gyros& g, int j) {
 Tree build_tree(const UmbrellaParameters& p, Mount mount) {
   const std::vector<Body> bodies{structure_body(p.structure), disc_body(p)};
   std::vector<Gyro> gyros;
+  gyros.reserve(p.gyros.count);
   for (int j = 0; j < p.gyros.count; ++j) gyros.push_back(gyro_of(p.gyros, j));
   const std::vector<Gimbal> gimbals{Gimbal(gyros)};
   switch (mount) {

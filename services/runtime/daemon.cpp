@@ -27,11 +27,9 @@
 namespace gyrotwin {
 namespace {
 
-using std::chrono_literals::operator""ms;
-
 constexpr timespec kHousekeepingPeriod{.tv_sec = 0, .tv_nsec = 20'000'000};
 // How long the last lines wait for a reader of stderr that has stopped reading.
-constexpr auto kLastPatience = 200ms;
+constexpr std::chrono::milliseconds kLastPatience{200};
 
 // Work without a sleep in realtime [us]: the soft limit is answered by the housekeeping thread, the
 // hard one by the kernel's SIGKILL. On a single core, where realtime throttling alone lets others
@@ -41,7 +39,7 @@ constexpr rlim_t kRealtimeHard = 2'000'000;
 
 constexpr sched_param kNormal{.sched_priority = 0};
 
-constexpr std::size_t kTouchedStack = 512 * 1024;  // [byte]
+constexpr std::size_t kTouchedStack = std::size_t{512} * 1024;  // [byte]
 
 sigset_t signal_set(std::initializer_list<int> signals) {
   sigset_t set;
@@ -205,7 +203,7 @@ void Daemon::housekeep(const std::stop_token& closing, const std::string& name) 
   spdlog::logger logger = make_logger(name);
   while (!closing.stop_requested()) {
     await_signal(logger);
-    drain(logger, 0ms);
+    drain(logger, std::chrono::milliseconds{0});
     inform_manager();
   }
   manager_.stopping();
@@ -227,7 +225,7 @@ void Daemon::await_signal(spdlog::logger& logger) {
   if (signal != SIGXCPU) return stop();
   // Only privilege may take the flag back.
   ::sched_setscheduler(realtime_thread_, SCHED_OTHER | SCHED_RESET_ON_FORK, &kNormal);
-  if (stderr_takes_a_line(0ms)) {
+  if (stderr_takes_a_line(std::chrono::milliseconds{0})) {
     logger.error("the tick thread has not slept for {} ms and loses its realtime priority",
                  kRealtimeSoft / 1000);
   }
