@@ -1,18 +1,17 @@
-// What the machine itself withholds, a virtual one for its host's sake: on each processor a thread,
-// above all that is measured there, sleeps from tick to tick. Says "watching", and at SIGTERM the
-// share of the ticks that went by without it, where it fared worst.
+// What a machine withholds from everybody, a virtual one for its host's sake: on each processor a
+// thread, above all that is measured there, sleeps from tick to tick. Says "watching", and at
+// SIGTERM the share of their ticks that went by without them.
 #include <pthread.h>
 #include <sched.h>
 
-#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <future>
-#include <optional>
+#include <latch>
+#include <thread>
 #include <vector>
 
 #include "services/runtime/clock.hpp"
@@ -24,25 +23,33 @@ namespace {
 
 constexpr int kPriority = 98;
 
-/// @return the share that it missed; empty without the right to SCHED_FIFO
-std::optional<double> watch(int processor, std::int64_t period_ns, const std::atomic<bool>& over) {
+struct Watch {
+  std::int64_t period;  // [ns]
+  std::latch begun;
+  std::atomic<bool> over{false}, refused{false};
+  std::atomic<std::int64_t> kept{0}, missed{0};  // ticks
+};
+
+void watch_on(int processor, Watch& watch) {
   cpu_set_t here;
   CPU_ZERO(&here);
   CPU_SET(processor, &here);
   if (sched_setaffinity(0, sizeof here, &here) != 0 ||
       take_realtime(kPriority).priority_error != 0) {
-    return std::nullopt;
+    watch.refused = true;
   }
+  watch.begun.count_down();
   MonotonicClock clock;
-  Pacer pacer(period_ns, OverrunPolicy::kSkip);
+  Pacer pacer(watch.period, OverrunPolicy::kSkip);
   pacer.anchor(clock.now_ns());
-  double kept = 0.0;
-  for (; !over; ++kept) {
+  std::int64_t kept = 0;
+  do {
     clock.sleep_until(pacer.deadline());
     pacer.begin(clock.now_ns());
-  }
-  const auto missed = static_cast<double>(pacer.skipped_ticks());
-  return missed / (kept + missed);
+    ++kept;
+  } while (!watch.over);
+  watch.kept += kept;
+  watch.missed += pacer.skipped_ticks();
 }
 
 }  // namespace
@@ -67,29 +74,24 @@ int main(int argc, char** argv) {
     return 2;
   }
 
-  std::atomic<bool> over{false};
-  std::vector<std::future<std::optional<double>>> watchers;
+  Watch watch{.period = 1'000'000'000 / rate, .begun = std::latch(CPU_COUNT(&allowed))};
+  std::vector<std::jthread> threads;
   for (int i = 0; i < CPU_SETSIZE; ++i) {
-    if (!CPU_ISSET(i, &allowed)) continue;
-    watchers.push_back(
-        std::async(std::launch::async, watch, i, 1'000'000'000 / rate, std::cref(over)));
+    if (CPU_ISSET(i, &allowed)) threads.emplace_back(watch_on, i, std::ref(watch));
   }
-  std::puts("watching");
-  std::fflush(stdout);
-  int signal = 0;
-  sigwait(&ends, &signal);
-  over = true;
-
-  double worst = 0.0;
-  for (auto& watcher : watchers) {
-    const std::optional<double> missed = watcher.get();
-    if (!missed) {
-      std::fputs("pauses: no right to SCHED_FIFO: what the machine withholds is not known\n",
-                 stderr);
-      return 2;
-    }
-    worst = std::max(worst, *missed);
+  watch.begun.wait();
+  if (watch.refused) {
+    std::fputs("pauses: no right to SCHED_FIFO: what the machine withholds is not known\n", stderr);
+  } else {
+    std::puts("watching");
+    std::fflush(stdout);
+    int signal = 0;
+    sigwait(&ends, &signal);
   }
-  std::printf("%.9f\n", worst);
+  watch.over = true;
+  threads.clear();
+  if (watch.refused) return 2;
+  const auto missed = static_cast<double>(watch.missed);
+  std::printf("%.9f\n", missed / (static_cast<double>(watch.kept) + missed));
   return 0;
 }

@@ -65,21 +65,16 @@ Contest contest(const std::string& name, bool peers) {
   return all;
 }
 
-Slice slice_of(Peer& subject, std::size_t samples) {
-  return [&subject, samples](std::size_t first, std::size_t count) {
-    std::size_t i = first;
-    for (std::size_t k = 0; k < count; ++k) {
-      subject.evaluate(i);
-      if (++i == samples) i = 0;
-    }
+Turn turn_of(Peer& subject) {
+  return [&subject](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) subject.evaluate(i);
   };
 }
 
 void time_accelerations(Contest& contest, double seconds) {
-  const std::size_t samples = contest.samples.size();
-  std::vector<Slice> slices;
-  for (const auto& subject : contest.subjects) slices.push_back(slice_of(*subject, samples));
-  const std::vector<double> medians = medians_in_turns(slices, samples, seconds);
+  std::vector<Turn> turns;
+  for (const auto& subject : contest.subjects) turns.push_back(turn_of(*subject));
+  const std::vector<double> medians = medians_in_turns(turns, contest.samples.size(), seconds);
   for (std::size_t s = 0; s < medians.size(); ++s) {
     Figure{"acceleration", contest.rig, contest.subjects[s]->name()}.print("p50", "ns", medians[s]);
   }

@@ -24,8 +24,8 @@ const std::vector<std::string>& contest_rigs();
 Contest contest(const std::string& rig, bool peers = true);
 inline constexpr double kAgreement = 1e-3;
 
-/// Of a subject that has so many samples.
-Slice slice_of(Peer& subject, std::size_t samples);
+/// Of a subject that has its samples.
+Turn turn_of(Peer& subject);
 
 /// Times all subjects in turns, for so long [s]; prints p50.
 void time_accelerations(Contest& contest, double seconds);

@@ -92,12 +92,11 @@ void measure_arithmetic(const std::vector<std::string>& rigs, double seconds) {
 
     const Contest own = contest(pass.rig, false);
     Floor floor(arithmetic);
-    const Slice floors = [&floor](std::size_t, std::size_t count) {
-      for (std::size_t k = 0; k < count; ++k) floor.run();
+    const Turn floors = [&floor](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) floor.run();
     };
-    const std::size_t samples = own.samples.size();
     const std::vector<double> medians =
-        medians_in_turns({slice_of(*own.subjects[0], samples), floors}, samples, seconds);
+        medians_in_turns({turn_of(*own.subjects[0]), floors}, own.samples.size(), seconds);
     Figure{"arithmetic", pass.rig, "gyrotwin"}.print("p50", "ns", medians[0]);
     Figure{"arithmetic", pass.rig, "floor"}.print("p50", "ns", medians[1]);
   }

@@ -123,13 +123,15 @@ FIGURES = (
         "rigs", "Closed loops in real time on this machine",
         "So many rigs at once, each with an integrator and a controller of its own at 1 kHz, all "
         "signed. Held: none stopped safely, and at most 0.5 % of the ticks were skipped beyond what "
-        "the machine's own pauses took meanwhile from a thread with nothing to do.",
+        "the machine's own pauses took meanwhile from threads with nothing to do, in one of two "
+        "tries.",
         goals=(Goal("held", 15, at_least=True, case=""),
                Goal("cost_growth", 1.25, case="", why="cost is linear in rigs")),
         plots=(Growth("cpu", "rigs", "proportional"), Growth("skipped", "rigs"),
                Growth("late_p99", "rigs")),
         words={"held": "rigs held", "cpu": "CPUs used", "skipped": "ticks skipped",
-               "paused": "the machine's pauses", "late_p99": "lateness p99, the middle rig", "stopped": "rigs that stopped safely",
+               "paused": "the machine's pauses", "stopped": "rigs that stopped safely",
+               "late_p99": "lateness p99, the middle rig",
                "cost_growth": "CPU per rig, most over fewest rigs"},
         percent=("skipped", "paused")),
     Figure(
@@ -160,9 +162,9 @@ FIGURES = (
         "sweep", "Trajectories in sweeps",
         "`gyrotwin sweep` of 40 closed-loop runs by one worker and by two. Simulated time over "
         "CPU time; off is the largest error of a coordinate in 5 s from the farthest start, "
-        "against steps of 1e-12. Efficiency is the wall time of two sweeps side by side, one worker "
-        "each, over twice that of one sweep with two: what a core loses when the other one works "
-        "too is in both.",
+        "against steps of 1e-12. Efficiency is the wall time of two sweeps side by side, half of the "
+        "runs and one worker each, over that of one sweep with two workers: what a core loses when "
+        "the other one works too is in both.",
         goals=(Goal("times_real_time", 300, at_least=True, case="prototype_b"),
                Goal("times_real_time", 2000, at_least=True, case="double_brennan"),
                Goal("times_real_time", 2000, at_least=True, case="brennan_monorail"),

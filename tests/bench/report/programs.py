@@ -41,9 +41,8 @@ def _measure(name, figures, **more):
     return Program(name, figures, _script(f"measure/{name}"), **more)
 
 
-def _scale(name, figures, **more):
-    return _measure(name, figures, quick=("--quick",), targets=("binaries", "pauses"),
-                    namespace=True, **more)
+def _scale(name, figures, targets=("binaries",), **more):
+    return _measure(name, figures, quick=("--quick",), targets=targets, namespace=True, **more)
 
 
 PROGRAMS = (
@@ -68,8 +67,8 @@ PROGRAMS = (
     _scale("ticks", ("gyros", "substeps")),
     _scale("sweep", ("sweep",), rounds=3),
     _scale("listeners", ("listeners",), rounds=3),
-    _scale("rates", ("highest_rate",), rounds=2),
-    _scale("rigs", ("rigs",), rounds=2),
+    _scale("rates", ("highest_rate",), targets=("binaries", "pauses"), rounds=2),
+    _scale("rigs", ("rigs",), targets=("binaries", "pauses"), rounds=2),
 )
 
 
