@@ -106,12 +106,13 @@ class Kink : public Ode {
 };
 
 TEST(Stepper, StepsMeetAJumpOfTheRates) {
-  for (const auto kind : {StepPolicy::Kind::kAdaptive, StepPolicy::Kind::kQuick}) {
+  for (const auto& [kind, error] :
+       {std::pair{StepPolicy::Kind::kAdaptive, 1e-9}, std::pair{StepPolicy::Kind::kQuick, 1e-6}}) {
     Kink ode(0.3);
     Stepper stepper(ode, {kind});
     std::array<double, 1> y{0.0};
     EXPECT_TRUE(stepper.advance(0.0, 1.0, y));
-    EXPECT_NEAR(y[0], 0.7, 1e-6);
+    EXPECT_NEAR(y[0], 0.7, error);
     EXPECT_LT(stepper.evaluations(), 2000);
   }
 }
