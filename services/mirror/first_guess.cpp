@@ -23,10 +23,15 @@ constexpr Width kAtRest{0.1, 1.0, 2e-3, 0.02, 0.1}, kMoving{10.0, 10.0, 0.3, 0.3
 constexpr double kTiltRate = 0.1;  // what contact does at once where the tilt is not quite right
 constexpr double kMoves = 8.0;     // sigmas of a gyro
 
-/// A sensor's numbers, where it is heard and sane.
+bool heard(const sensors_t& sensors, Sensor sensor, double value) {
+  return (sensors.valid & valid_bit(sensor)) && sane(value);
+}
+
+/// A sensor's numbers, where all are heard.
 std::optional<Vector3d> vector_of(const sensors_t& sensors, Sensor sensor, const double (&x)[3]) {
-  const bool told = sensors.valid & valid_bit(sensor);
-  if (!told || !sane(x[0]) || !sane(x[1]) || !sane(x[2])) return std::nullopt;
+  for (const double value : x) {
+    if (!heard(sensors, sensor, value)) return std::nullopt;
+  }
   return Vector3d(x[0], x[1], x[2]);
 }
 
@@ -44,9 +49,6 @@ FirstGuess first_guess(const Rig& rig, const model::Machine& machine,
   const Rig::Sensors& sensors = *rig.sensors;
   const model::Layout& layout = machine.layout;
   const int n = machine.coordinates();
-  const auto heard = [&first](Sensor sensor, double value) {
-    return (first.valid & valid_bit(sensor)) && sane(value);
-  };
 
   const double gyro_sigma =
       std::max(std::hypot(sensors.gyro.noise, sensors.gyro.bias, sensors.gyro.resolution), 1e-6);
@@ -83,7 +85,7 @@ FirstGuess first_guess(const Rig& rig, const model::Machine& machine,
     sigma[n + disc_tilt] = width(&Width::disc_tilt_rate);
   }
   if (const int disc = layout.disc; disc != model::kFixed) {
-    if (heard(kDisc, first.disc_angle_rad)) state.q[disc] = first.disc_angle_rad;
+    if (heard(first, kDisc, first.disc_angle_rad)) state.q[disc] = first.disc_angle_rad;
     sigma[disc] = std::hypot(sensors.disc.noise, sensors.disc.resolution, 1e-6);
     sigma[n + disc] = width(&Width::disc_rate);
   }
@@ -93,7 +95,7 @@ FirstGuess first_guess(const Rig& rig, const model::Machine& machine,
     for (std::size_t j = 0; j < layout.gimbals.size(); ++j) {
       if (layout.gimbals[j].coordinate != i) continue;
       sigma[i] = std::hypot(sensors.gimbal.noise, sensors.gimbal.resolution, sensors.gimbal.bias);
-      if (!heard(kGimbals, first.gimbal_angle_rad[j])) continue;
+      if (!heard(first, kGimbals, first.gimbal_angle_rad[j])) continue;
       sum += first.gimbal_angle_rad[j] / layout.gimbals[j].coefficient;
       ++count;
     }
