@@ -8,6 +8,7 @@ import argparse
 import json
 import os
 import resource
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,7 @@ ASKED_AT_MOST = 3  # times
 SKIPPED_AT_MOST = 5e-3  # of the ticks, beyond what the machine's own pauses take
 # Longer pauses may be the rigs' own: of a core that realtime threads fill the kernel gives others 5 %.
 PAUSED_AT_MOST = 1e-2
+TRIES = 2
 
 
 class Missing(Exception):
@@ -37,11 +39,6 @@ def emit(figure, case, quantity, unit, value, subject="gyrotwin"):
 def say(text):
     """To people."""
     print(text, file=sys.stderr, flush=True)
-
-
-def percent(share):
-    """To people; None is not known."""
-    return "? %" if share is None else f"{100 * share:.3f} %"
 
 
 def arguments(about):
@@ -100,11 +97,6 @@ class Seen:
     def skipped_share(self):
         """Ticks that wall time has overtaken, over all."""
         return self.skipped / max(1, self.ticks + self.skipped)
-
-    def kept_real_time(self, rigs, paused):
-        """Given the share of the ticks that the machine withheld, None: not known."""
-        allowed = SKIPPED_AT_MOST + min(paused or 0.0, PAUSED_AT_MOST)
-        return self.running == rigs and self.skipped_share <= allowed
 
 
 class Lab:
@@ -199,18 +191,31 @@ class Lab:
             seen.lateness_p99_ns.append(owner["lateness_ns"]["p99"])
         return seen
 
-    def watch_real_time(self, pairs, seconds, rate_hz):
-        """watch() of rigs at that rate, beside what the machine's pauses alone take from everybody.
-        Returns what the rigs did, their CPU time [s], and the share of the ticks that the machine
-        withheld, None where that is not known. A second try where all still run but some were late:
-        what others did to the machine just then is chance."""
-        seen, cpu, paused = self._watch_beside_pauses(pairs, seconds, rate_hz)
-        if seen.running == len(pairs) and not seen.kept_real_time(len(pairs), paused):
-            say(f"{100 * seen.skipped_share:.3f} % of the ticks skipped at first: once more")
+    def judge(self, figure, case, pairs, seconds, rate_hz):
+        """Watches rigs of that rate, beside the machine's own pauses, and emits what they skipped,
+        how late they were and the CPUs that they took. Returns whether they kept real time, how many
+        still run, and the CPUs. Where all do but some were late there is a second try: what others
+        did to the machine just then is chance."""
+        for _ in range(TRIES):
             seen, cpu, paused = self._watch_beside_pauses(pairs, seconds, rate_hz)
-        return seen, cpu, paused
+            all_run = seen.running == len(pairs)
+            allowed = SKIPPED_AT_MOST + min(paused or 0.0, PAUSED_AT_MOST)
+            held = all_run and seen.skipped_share <= allowed
+            of_pauses = "?" if paused is None else f"{100 * paused:.3f}"
+            say(f"{figure} {case}: {100 * seen.skipped_share:.3f} % of the ticks skipped, machine "
+                f"paused for {of_pauses} %, {len(pairs) - seen.running} stopped, "
+                f"{cpu / seconds:.2f} CPUs: {'held' if held else 'not held'}")
+            if held or not all_run:
+                break
+        emit(figure, case, "skipped", "1", seen.skipped_share)
+        if paused is not None:
+            emit(figure, case, "paused", "1", paused)
+        emit(figure, case, "late_p99", "us", 1e-3 * statistics.median(seen.lateness_p99_ns))
+        emit(figure, case, "cpu", "1", cpu / seconds)
+        return held, seen.running, cpu / seconds
 
     def _watch_beside_pauses(self, pairs, seconds, rate_hz):
+        """watch(), and the share of the ticks that the machine withheld, None: not known."""
         program = self.bin / "pauses"
         if not program.exists():
             raise Missing(f"{self.bin} has no pauses; deploy/build pauses makes it")
