@@ -19,8 +19,8 @@ namespace {
 std::string format_of(const ExportOptions& options) {
   if (!options.format.empty()) return options.format;
   const std::string ending = options.out.extension().string();
-  for (const std::string format : {"csv", "mat", "mcap"}) {
-    if (ending == '.' + format) return format;
+  for (const char* format : {"csv", "mat", "mcap"}) {
+    if (ending == '.' + std::string(format)) return format;
   }
   throw Error(options.out.string() +
               ": its ending is none of .csv, .mat, .mcap; give one of them, or --format");

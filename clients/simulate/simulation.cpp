@@ -44,8 +44,8 @@ struct Grid {
 
   double time(std::int64_t i) const {
     if (i == steps && last_step != step) return time(i - 1) + last_step;
-    return static_cast<double>(i / steps_per_sample) * sample +
-           static_cast<double>(i % steps_per_sample) * step;
+    const std::int64_t samples = i / steps_per_sample;
+    return static_cast<double>(samples) * sample + static_cast<double>(i % steps_per_sample) * step;
   }
   double length(std::int64_t i) const { return i + 1 == steps ? last_step : step; }
   bool sample_at(std::int64_t i) const { return i % steps_per_sample == 0 || i == steps; }

@@ -76,11 +76,11 @@ Scenario live_scenario(const Rig& rig, const model::Machine& machine, double dur
 
 Trial run_trial(const Rig& rig, const model::Machine& machine, const Scenario& scenario) {
   Watcher watcher(machine, scenario);
-  Outcome outcome = simulate(rig, machine, scenario, watcher);
+  const Outcome outcome = simulate(rig, machine, scenario, watcher);
   Trial trial = watcher.trial;
   trial.end_tilt = outcome.verdict.tilt();
   trial.largest_tilt = outcome.verdict.largest_tilt();
-  trial.outcome = std::move(outcome);
+  trial.outcome = outcome;
   return trial;
 }
 

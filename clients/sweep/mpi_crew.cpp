@@ -42,7 +42,7 @@ void serve(const Work& work) {
   }
 }
 
-class MpiCrew : public Crew {
+class MpiCrew final : public Crew {
  public:
   explicit MpiCrew(int ranks) : given_(static_cast<std::size_t>(ranks)) {}
   ~MpiCrew() override {

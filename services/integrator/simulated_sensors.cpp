@@ -12,7 +12,7 @@ SimulatedSensors::SimulatedSensors(const Rig& rig, const model::Machine& machine
     : machine_(machine), settings_(*rig.sensors), to_imu_(settings_.imu_axes().transpose()) {
   for (int i = 0; i < kSensors; ++i) {
     bias_[i] = normal(static_cast<std::uint64_t>(settings_.seed),
-                      static_cast<std::uint64_t>(kSensors + i), 0);
+                      kSensors + static_cast<std::uint64_t>(i), 0);
   }
 }
 

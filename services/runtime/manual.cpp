@@ -112,7 +112,7 @@ std::pair<std::string, std::string> type_of(const CLI::Option& option) {
 /// "-h, --help" or "--rig NAME|FILE"; of an argument its type.
 std::string heading(const CLI::Option& option) {
   const auto [type, allowed] = type_of(option);
-  const std::string value = italic(type) + (allowed.empty() ? "" : ' ' + escaped(allowed));
+  std::string value = italic(type) + (allowed.empty() ? "" : ' ' + escaped(allowed));
   if (option.get_positional()) return value;
   std::string text;
   const auto add = [&text](const std::string& name) {

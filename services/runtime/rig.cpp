@@ -131,9 +131,9 @@ std::filesystem::path rig_folder() {
                 "`, which is no folder; correct it, or unset it to use the shipped rigs");
   }
   std::error_code none;
-  const fs::path installed = installed_rigs();
+  fs::path installed = installed_rigs();
   if (fs::is_directory(installed, none)) return installed;
-  const fs::path in_source_tree = GYROTWIN_SOURCE_RIGS;
+  fs::path in_source_tree = GYROTWIN_SOURCE_RIGS;
   if (fs::is_directory(in_source_tree, none)) return in_source_tree;
   throw Error("no folder of shipped rigs: looked for " + installed.string() + " and " +
               in_source_tree.string() + "; set GYROTWIN_RIGS to the folder with the rig files");

@@ -100,7 +100,7 @@ TomlReader::Table TomlReader::table(std::string name, Need need) {
   return {*this, std::move(name), need};
 }
 
-void TomlReader::note(const std::string& path, Place place, std::string text) {
+void TomlReader::note(const std::string& path, Place place, const std::string& text) {
   const bool overridden = document_->overrides.contains(path);
   const std::string where =
       overridden ? "--set " + path

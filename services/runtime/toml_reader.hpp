@@ -104,7 +104,7 @@ class TomlReader {
   };
 
   void apply(const std::string& override_text);
-  void note(const std::string& path, Place place, std::string text);
+  void note(const std::string& path, Place place, const std::string& text);
   void report_unknown();
   void report_unknown_table(const std::string& name, Place place);
   void report_missing();
