@@ -105,7 +105,6 @@ std::vector<std::filesystem::path> export_csv(LogScan& scan, const std::filesyst
     tables[message.stream]->add(message);
   });
   std::vector<std::filesystem::path> files;
-  files.reserve(tables.size());
   for (const auto& table : tables) files.push_back(table->finish());
   return files;
 }

@@ -1,6 +1,5 @@
 #include "clients/log/export_field.hpp"
 
-#include <ranges>
 
 #include "services/runtime/text.hpp"
 
@@ -25,9 +24,9 @@ std::string unit_of(std::string_view comment) {
 /// "[0][1]" for the second element of a 2 x 2 array.
 std::string index_text(const std::vector<std::size_t>& dimensions, std::size_t element) {
   std::string text;
-  for (const std::size_t length : std::views::reverse(dimensions)) {
-    text.insert(0, '[' + std::to_string(element % length) + ']');
-    element /= length;
+  for (auto length = dimensions.rbegin(); length != dimensions.rend(); ++length) {
+    text.insert(0, '[' + std::to_string(element % *length) + ']');
+    element /= *length;
   }
   return text;
 }

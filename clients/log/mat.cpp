@@ -54,7 +54,6 @@ Variable text(std::string value) {
 Variable structure(const std::string& name, const std::vector<std::string>& fields,
                    std::vector<Variable> values) {
   std::vector<const char*> names;
-  names.reserve(fields.size());
   for (const std::string& field : fields) names.push_back(field.c_str());
   std::array<std::size_t, 2> one{1, 1};
   Variable made = created(Mat_VarCreateStruct(name.c_str(), 2, one.data(), names.data(),

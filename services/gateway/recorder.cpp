@@ -83,7 +83,6 @@ void Recorder::begin() {
   std::vector<std::string> words{program.string(), "record", (folder_ / file_).string()};
   words.insert(words.end(), rig_arguments_.begin(), rig_arguments_.end());
   std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   // What the service manager is told is told of the gateway.
