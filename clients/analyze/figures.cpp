@@ -113,7 +113,7 @@ void add_locus(const RigFamily& family, const LinearModel& own, const KeyRange& 
 void add_map(const RigFamily& family, const Rig& rig, const std::pair<KeyRange, KeyRange>& keys,
              const std::optional<std::pair<double, double>>& own, int threads,
              std::vector<Figure>& all) {
-  const auto& [across, up] = keys;
+  const KeyRange &across = keys.first, &up = keys.second;
   CellMap map;
   map.title = "Growth rate over two parameters";
   map.x = {across.key};

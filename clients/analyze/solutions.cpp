@@ -247,7 +247,7 @@ void compare_gimballed(const Rig& rig, const model::GimballedParameters& p,
   start.q[0] = x0[0];
   const double a = 0.5 * r.U * x0[0];
   const double w = 0.4 * nutation;
-  const auto compare = [&](std::string key, std::string meaning, double amplitude) {
+  const auto compare = [&](const std::string& key, const std::string& meaning, double amplitude) {
     const LinearMotion formula(axes.F(), axes.B(), x0, amplitude, w);
     InputFunction<DriveTorques> torque;
     torque.value = [=](const Instant& now) {

@@ -24,9 +24,9 @@ std::string unit_of(std::string_view comment) {
 /// "[0][1]" for the second element of a 2 x 2 array.
 std::string index_text(const std::vector<std::size_t>& dimensions, std::size_t element) {
   std::string text;
-  for (auto length = dimensions.rbegin(); length != dimensions.rend(); ++length) {
-    text.insert(0, '[' + std::to_string(element % *length) + ']');
-    element /= *length;
+  for (std::size_t k = dimensions.size(); k-- > 0;) {
+    text.insert(0, '[' + std::to_string(element % dimensions[k]) + ']');
+    element /= dimensions[k];
   }
   return text;
 }

@@ -113,9 +113,8 @@ std::vector<LegendEntry> legend_of(const CellMap& map) {
     }
     legend.push_back({map.kinds[kind], sample});
   }
-  for (std::size_t i = 0; i < map.curves.size(); ++i) {
-    if (map.curves[i].name.empty()) continue;
-    legend.push_back({map.curves[i].name, curve_sample(map.curves[i], 6)});
+  for (const Curve& curve : map.curves) {
+    if (!curve.name.empty()) legend.push_back({curve.name, curve_sample(curve, 6)});
   }
   return legend;
 }
