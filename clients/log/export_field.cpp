@@ -1,6 +1,5 @@
 #include "clients/log/export_field.hpp"
 
-
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
