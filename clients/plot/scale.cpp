@@ -60,7 +60,7 @@ std::vector<double> Scale::ticks(int wanted) const {
   const double step = nice_step((high_ - low_) / wanted);
   const auto begin = std::llround(std::ceil(low_ / step - 1e-9));
   const auto end = std::llround(std::floor(high_ / step + 1e-9));
-  for (auto i = begin; i <= end; ++i) ticks.push_back(static_cast<double>(i) * step);
+  for (auto i = begin; i <= end; ++i) ticks.push_back(i == 0 ? 0.0 : static_cast<double>(i) * step);
   return ticks;
 }
 

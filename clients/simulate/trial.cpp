@@ -76,11 +76,10 @@ Scenario live_scenario(const Rig& rig, const model::Machine& machine, double dur
 
 Trial run_trial(const Rig& rig, const model::Machine& machine, const Scenario& scenario) {
   Watcher watcher(machine, scenario);
-  const Outcome outcome = simulate(rig, machine, scenario, watcher);
-  Trial trial = watcher.trial;
-  trial.end_tilt = outcome.verdict.tilt();
-  trial.largest_tilt = outcome.verdict.largest_tilt();
-  trial.outcome = outcome;
+  Trial& trial = watcher.trial;
+  trial.outcome = simulate(rig, machine, scenario, watcher);
+  trial.end_tilt = trial.outcome.verdict.tilt();
+  trial.largest_tilt = trial.outcome.verdict.largest_tilt();
   return trial;
 }
 
