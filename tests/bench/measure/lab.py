@@ -22,8 +22,9 @@ READY_S = 60  # of wall time: a busy machine starts twenty rigs slowly
 ASKED_AT_MOST = 3  # times
 SKIPPED_AT_MOST = 5e-3  # of the ticks, beyond what the machine's own pauses take
 # Longer pauses may be the rigs' own: of a core that realtime threads fill the kernel gives others 5 %.
-PAUSED_AT_MOST = 1e-2
+PAUSED_AT_MOST = 2e-2
 TRIES = 2
+FAILED_AT_MOST = 2  # levels in a row
 
 
 class Missing(Exception):
@@ -58,6 +59,24 @@ def run_program(body):
         sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(130)
+
+
+def climb(unit, levels, holds):
+    """The highest level that is held, 0: none. Ends where two in a row are not: who holds more
+    would hold less as well, so one alone was the machine's doing."""
+    highest, failed = 0, 0
+    for level in levels:
+        try:
+            held = holds(level)
+        except Missing as missing:
+            if not highest:
+                raise
+            say(f"{level} {unit}: not held, it does not even start: {missing}")
+            break
+        highest, failed = (level, 0) if held else (highest, failed + 1)
+        if failed == FAILED_AT_MOST:
+            break
+    return highest
 
 
 def cpu_s(pid):
