@@ -1,5 +1,5 @@
 # What nearly every source includes is compiled once: reading headers is most of what building takes.
-# The preset ubsan builds without, so that a source that leans on it does not get far.
+# The preset asan builds without, so that a source that leans on it does not get far.
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/headers.cpp CONTENT "")
 
 # gyrotwin_compile_headers(NAME HEADER...): these and what everybody includes, with this directory's flags
