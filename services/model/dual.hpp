@@ -40,8 +40,6 @@ struct Dual {
   constexpr friend bool operator<=(const Dual& a, const Dual& b) { return a.value <= b.value; }
   constexpr friend bool operator>=(const Dual& a, const Dual& b) { return a.value >= b.value; }
 
-  friend Dual sin(const Dual& a) { return {std::sin(a.value), a.slope * std::cos(a.value)}; }
-  friend Dual cos(const Dual& a) { return {std::cos(a.value), -a.slope * std::sin(a.value)}; }
   friend Dual tanh(const Dual& a) {
     const double t = std::tanh(a.value);
     return {t, a.slope * (1.0 - t * t)};

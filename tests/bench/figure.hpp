@@ -25,16 +25,15 @@ struct Figure {
   }
 
   /// p50, p99 and max of durations in nanoseconds, in microseconds. Sorts them; not empty.
-  void print_distribution(std::vector<std::int64_t>& durations_ns,
-                          const std::string& prefix = "") const {
+  void print_distribution(std::vector<std::int64_t>& durations_ns) const {
     std::sort(durations_ns.begin(), durations_ns.end());
     const auto at = [&](double share) {
       const double rank = std::ceil(share * static_cast<double>(durations_ns.size()));
       return 1e-3 * static_cast<double>(durations_ns[static_cast<std::size_t>(rank) - 1]);
     };
-    print(prefix + "p50", "us", at(0.50));
-    print(prefix + "p99", "us", at(0.99));
-    print(prefix + "max", "us", at(1.0));
+    print("p50", "us", at(0.50));
+    print("p99", "us", at(0.99));
+    print("max", "us", at(1.0));
   }
 };
 

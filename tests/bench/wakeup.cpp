@@ -69,13 +69,12 @@ class Waiter {
   std::vector<std::int64_t> late_;
 };
 
-/// A turn of cyclictest, with the priority of everybody but for its measuring thread, and, as a
-/// daemon has them, with the processors' sleep states; rows of zeros are left out. @return how late
-/// it was [ns]; what is later than a millisecond is known by its latest alone. Nothing where it is
-/// missing.
+/// A turn of cyclictest, with the processors' sleep states as a daemon has them; rows of zeros are
+/// left out. @return how late it was [ns]; what is later than a millisecond is known by its latest
+/// alone. Nothing where it is missing, or may not be realtime.
 std::vector<std::int64_t> run_cyclictest() {
   const std::string command =
-      "chrt --other 0 cyclictest --quiet --mlockall --laptop --nsecs --histogram=1000000"
+      "cyclictest --quiet --mlockall --laptop --nsecs --histogram=1000000"
       " --priority=" +
       std::to_string(kPriority) + " --interval=" + std::to_string(kPeriod / 1000) +
       " --loops=" + std::to_string(kTurn) + " 2>/dev/null | grep -v ' 000000$'";
@@ -123,10 +122,11 @@ int main(int argc, char** argv) {
   if (daemon.stopping()) return 2;
   plain.report();
   hybrid.report();
-  if (peer.size() < ticks) {
-    std::fprintf(stderr, "wakeup: cyclictest is missing: apt-get install rt-tests\n");
-    return 2;
+  if (peer.empty()) {
+    std::fprintf(stderr,
+                 "wakeup: no word from cyclictest: it needs rt-tests installed, and SCHED_FIFO\n");
+  } else {
+    bench::Figure{"wakeup", "1000", "cyclictest"}.print_distribution(peer);
   }
-  bench::Figure{"wakeup", "1000", "cyclictest"}.print_distribution(peer);
   return 0;
 }

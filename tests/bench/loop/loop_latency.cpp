@@ -71,10 +71,13 @@ int run(const std::string& name, int seconds) {
                  name.c_str());
     return 2;
   }
-  const bench::Figure figure{"loop", rig.name, "gyrotwin"};
-  figure.print("in_time", "1", static_cast<double>(applied.size()) / static_cast<double>(asked));
-  figure.print_distribution(answered, "answered_");
-  figure.print_distribution(applied, "applied_");
+  const auto figure = [&rig](const char* what) {
+    return bench::Figure{"loop", rig.name + ", " + what, "gyrotwin"};
+  };
+  figure("answered").print_distribution(answered);
+  figure("applied").print_distribution(applied);
+  figure("applied").print("in_time", "1",
+                          static_cast<double>(applied.size()) / static_cast<double>(asked));
   return 0;
 }
 

@@ -62,9 +62,6 @@ Arithmetic arithmetic_of(const Counts& counts) {
     arithmetic.scalar[i] = rounded(counts, mnemonic + "sd");
     arithmetic.packed[i] = rounded(counts, mnemonic + "pd");
   }
-  arithmetic.sin = rounded(counts, "call <sin@plt>");
-  arithmetic.cos = rounded(counts, "call <cos@plt>");
-  arithmetic.sincos = rounded(counts, "call <sincos@plt>");
   arithmetic.tanh = rounded(counts, "call <tanh@plt>");
   return arithmetic;
 }
@@ -77,7 +74,6 @@ void print_counts(const std::string& rig, const Arithmetic& a) {
   print("multiplications", a.operations(Operation::kMultiply));
   print("divisions", a.operations(Operation::kDivide));
   print("square_roots", a.operations(Operation::kSquareRoot));
-  print("sines", a.sin + a.cos + 2 * a.sincos);
   print("tanhs", a.tanh);
 }
 

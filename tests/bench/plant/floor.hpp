@@ -15,7 +15,7 @@ inline constexpr int kOperations = 5;
 /// Of one acceleration.
 struct Arithmetic {
   std::array<int, kOperations> scalar{}, packed{};  ///< instructions
-  int sin = 0, cos = 0, sincos = 0, tanh = 0;       ///< calls of the C library
+  int tanh = 0;                                     ///< calls of the C library
 
   /// On numbers, whichever instruction does them.
   int operations(Operation operation) const {

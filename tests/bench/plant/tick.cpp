@@ -53,6 +53,7 @@ double error(const Scenario& scenario, Ticker& ticker, Ticker& reference) {
     ticker.tick(input);
     reference.tick(input);
     const model::Coordinates apart = ticker.coordinates() - reference.coordinates();
+    if (!apart.allFinite()) return HUGE_VAL;
     worst = std::max(worst, apart.cwiseAbs().maxCoeff());
   }
   return worst;

@@ -10,7 +10,7 @@ class Goal:
 
     quantity: str
     limit: float
-    peer: str = ""  # ours over this peer's ("fastest": over the least of all); "": the value itself
+    peer: str = ""  # ours over this peer's; "": the value itself
     at_least: bool = False
     case: str = None  # None: in every case
     subject: str = "gyrotwin"
@@ -89,11 +89,13 @@ FIGURES = (
         "loop", "The closed loop of one rig, through the daemons",
         "From the tick that publishes a STATE to the command that acts: integrator and controller "
         "as they are shipped.",
-        plots=(Distribution(), Ratios(("p50", "p99")))),
+        plots=(Distribution(),),
+        words={"in_time": "commands in time"}, percent=("in_time",)),
     Figure(
         "wakeup", "Waking up on time",
         "How late a 1 kHz loop at priority 80 wakes up, beside cyclictest with the same period, "
-        "priority and locked memory, in turns.",
+        "priority, locked memory and, as daemons leave them on, sleep states of the processors "
+        "(`--laptop`), in turns of half a second.",
         goals=(Goal("p50", 1.05, "cyclictest"), Goal("p99", 1.05, "cyclictest"),
                Goal("p50", 1.0, subject="gyrotwin hybrid", why="sleeps, then spins")),
         plots=(Distribution(), Ratios(("p50", "p99"), ("gyrotwin", "gyrotwin hybrid")))),
@@ -102,20 +104,21 @@ FIGURES = (
         "Mass matrix, forces, contacts and the solution, for one state. The peers have the same "
         "mechanism from the same rig file, and agree with us before the clock runs; `projected` is "
         "an engine's tree with the gears projected by us, where that is faster than its own.",
-        goals=(Goal("p50", 1 / 20, "MuJoCo", why="mj_forward, as the engine solves it"),),
+        goals=(Goal("p50", 1 / 20, "MuJoCo", why="mj_forward, as the engine solves it"),
+               Goal("p50", 1 / 20, "MuJoCo projected", why="the engine's tree, our gears")),
         plots=(Ratios(("p50",)), Distribution()),
         words={"disagreement": "disagreement, relative", "instructions": "instructions (callgrind)"}),
     Figure(
         "arithmetic", "Distance from the floor of the arithmetic",
         "Time of an acceleration over the time that its counted multiplications, additions, "
-        "divisions and sines take by themselves.",
+        "divisions and square roots take by themselves.",
         goals=(Goal("p50", 2, "floor"),),
         plots=(Ratios(("p50",), beside_peers=False),)),
     Figure(
-        "tick", "One tick of 1 ms",
-        "The physics of a millisecond, law's torques held: our shipped steps beside MuJoCo's "
-        "Runge-Kutta 4. Each is compared with its own solution at the finest steps, over the "
-        "same scenario.",
+        "tick", "One tick",
+        "The physics of the rig's tick, 1 ms or 2 (`double_brennan`), law's torques held: our shipped "
+        "steps beside MuJoCo's Runge-Kutta 4. Each is compared with its own solution at the finest "
+        "steps, over the same scenario.",
         goals=(Goal("p50", 1, "MuJoCo"), Goal("error", 0.01, "MuJoCo")),
         plots=(Precision("error", "p50"), Ratios(("p50",)), Distribution()),
         words={"error": "off by"}),
@@ -123,17 +126,17 @@ FIGURES = (
         "rigs", "Closed loops in real time on this machine",
         "So many rigs at once, each with an integrator and a controller of its own at 1 kHz, all "
         "signed. Held: none stopped safely, and at most 0.5 % of the ticks were skipped beyond what "
-        "the machine's own pauses, up to 2 %, took meanwhile from threads with nothing to do, in one "
-        "of two tries. The count goes up until two in a row are not held.",
+        "the machine's hypervisor kept from a loop meanwhile, in one of two tries. The count goes up "
+        "until two in a row are not held.",
         goals=(Goal("held", 15, at_least=True, case=""),
                Goal("cost_growth", 1.25, case="", why="cost is linear in rigs")),
         plots=(Growth("cpu", "rigs", "proportional"), Growth("skipped", "rigs"),
                Growth("late_p99", "rigs")),
         words={"held": "rigs held", "cpu": "CPUs used", "skipped": "ticks skipped",
-               "paused": "the machine's pauses", "stopped": "rigs that stopped safely",
+               "withheld": "withheld by the machine", "stopped": "rigs that stopped safely",
                "late_p99": "lateness p99, the middle rig",
                "cost_growth": "CPU per rig, most over fewest rigs"},
-        percent=("skipped", "paused")),
+        percent=("skipped", "withheld")),
     Figure(
         "listeners", "What listeners cost the owner",
         "CPU time of the integrator while so many `gyrotwin top` listen to it, beside its "
@@ -148,8 +151,8 @@ FIGURES = (
         "10 kHz that a rig file may ask for.",
         plots=(Growth("cpu", "Hz", "proportional"), Growth("late_p99", "Hz")),
         words={"held": "rate held", "cpu": "CPUs used", "skipped": "ticks skipped",
-               "paused": "the machine's pauses", "late_p99": "lateness p99"},
-        percent=("skipped", "paused")),
+               "withheld": "withheld by the machine", "late_p99": "lateness p99"},
+        percent=("skipped", "withheld")),
     Figure(
         "gyros", "A tick against the machine",
         "CPU time of a simulated tick of 1 ms with four steps, law included, no network.",
@@ -162,9 +165,9 @@ FIGURES = (
         "sweep", "Trajectories in sweeps",
         "`gyrotwin sweep` of 40 closed-loop runs by one worker and by two. Simulated time over "
         "CPU time; off is the largest error of a coordinate in 5 s from the farthest start, "
-        "against steps of 1e-12. Efficiency is the wall time of two sweeps side by side, half of the "
-        "runs and one worker each, over that of one sweep with two workers: what a core loses when "
-        "the other one works too is in both.",
+        "against steps of 1e-12. Efficiency is the mean wall time of two sweeps side by side, half of "
+        "the runs and one worker each, over that of one sweep with two workers: what a core loses "
+        "when the other one works too is in both. Beside it, how much faster two are than one.",
         goals=(Goal("times_real_time", 300, at_least=True, case="prototype_b"),
                Goal("times_real_time", 2000, at_least=True, case="double_brennan"),
                Goal("times_real_time", 2000, at_least=True, case="brennan_monorail"),

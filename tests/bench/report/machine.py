@@ -11,7 +11,7 @@ from pathlib import Path
 from .programs import BUILD, ROOT
 
 PEERS = ("libmujoco-dev", "libdart-dev", "libsimbody-dev", "cyclonedds-dev", "libzmq3-dev",
-         "cppzmq-dev", "liblcm-dev", "liblcm-bin", "rt-tests", "valgrind")
+         "liblcm-dev", "liblcm-bin", "rt-tests", "valgrind")
 OURS = ("libsundials-dev", "libeigen3-dev")
 
 

@@ -68,7 +68,7 @@ def _goals(summary):
         figure = figure_of(name)
         judged = judge(summary, figure)
         if judged:
-            lines.append(f"<tr class=\"of\"><td colspan=\"4\"><a href=\"#{figure.name}\">"
+            lines.append(f"<tr class=\"of\"><td colspan=\"5\"><a href=\"#{figure.name}\">"
                          f"{escape(figure.title)}</a></td></tr>")
         for j in judged:
             share = j.goal.quantity in figure.percent
@@ -78,11 +78,13 @@ def _goals(summary):
             lines.append(
                 f"<tr><td>{escape(detail)}</td><td class=\"{j.reached}\">{_ANSWERS[j.reached]}</td>"
                 f"<td class=\"n\" data-what=\"is\">{escape(with_quartiles(j.found, j.unit, share))}</td>"
-                f"<td class=\"n\" data-what=\"goal\">{escape(limit(j.goal, j.unit, share))}</td></tr>")
+                f"<td class=\"n\" data-what=\"goal\">{escape(limit(j.goal, j.unit, share))}</td>"
+                f"<td class=\"n\" data-what=\"rounds\">{j.found.rounds}</td></tr>")
     if not lines:
         return ""
     return ("<h2>Goals</h2><table class=\"goals\"><thead><tr><th></th><th></th>"
-            "<th class=\"n\">measured (quartiles)</th><th class=\"n\">goal</th></tr></thead><tbody>"
+            "<th class=\"n\">measured (quartiles)</th><th class=\"n\">goal</th>"
+            "<th class=\"n\">rounds</th></tr></thead><tbody>"
             + "".join(lines) + "</tbody></table>")
 
 
@@ -98,7 +100,7 @@ def _figure(summary, figure):
             marks = ["<span class=\"goalmark\"></span> goal"] * ('class="goal"' in drawing)
             marks += ["thin line: quartiles of the rounds"] * ('class="whisker"' in drawing)
             parts.append(f"<figure>{drawing}<figcaption>{'; '.join(marks)}</figcaption></figure>")
-    return "\n".join(parts) + _numbers(summary, figure)
+    return "\n".join(parts) + _numbers(summary, figure, drawn=len(parts) > 2)
 
 
 def _code(text):
@@ -107,8 +109,8 @@ def _code(text):
     return "".join(f"<code>{p}</code>" if k % 2 else p for k, p in enumerate(pieces))
 
 
-def _numbers(summary, figure):
-    """All values of a figure as a table."""
+def _numbers(summary, figure, drawn):
+    """All values of a figure as a table, open where nothing is drawn."""
     lines = []
     for case in summary.cases(figure.name):
         for quantity in summary.quantities(figure.name, case):
@@ -124,7 +126,7 @@ def _numbers(summary, figure):
                     f"<tr><td>{escape(case)}</td><td>{escape(what)}</td><td>{escape(subject)}</td>"
                     f"<td class=\"n\">{escape(with_quartiles(found, summary.units[key], share))}</td>"
                     f"<td class=\"n\">{ratio_text}</td></tr>")
-    shown = "" if figure.plots else " open"
+    shown = "" if drawn else " open"
     return (f"<details{shown}><summary>All numbers</summary><div class=\"scroll\"><table><thead><tr>"
             "<th>case</th><th>what</th><th>who</th><th class=\"n\">median (quartiles)</th>"
             "<th class=\"n\">gyrotwin / it</th></tr></thead><tbody>" + "".join(lines)

@@ -66,8 +66,8 @@ PROGRAMS = (
     _scale("ticks", ("gyros", "substeps")),
     _scale("sweep", ("sweep",), rounds=3),
     _scale("listeners", ("listeners",), rounds=3),
-    _scale("rates", ("highest_rate",), targets=("binaries", "pauses"), rounds=2),
-    _scale("rigs", ("rigs",), targets=("binaries", "pauses"), rounds=2),
+    _scale("rates", ("highest_rate",), targets=("binaries", "pauses"), rounds=3),
+    _scale("rigs", ("rigs",), targets=("binaries", "pauses"), rounds=3, limit_s=600),
 )
 
 

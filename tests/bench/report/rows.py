@@ -108,10 +108,10 @@ def _draw_ratios(width, groups, about):
 def ratios(summary, figure, plot):
     """Ours over each peer's, for the quantities of the plot."""
 
-    def goal_for(quantity, case, subject, peer, fastest):
+    def goal_for(quantity, case, subject, peer):
         for goal in figure.goals:
             if (goal.quantity == quantity and goal.case in (None, case) and goal.subject == subject
-                    and goal.peer and (goal.peer == peer or goal.peer == "fastest" and fastest)):
+                    and goal.peer == peer):
                 return goal.limit
         return None
 
@@ -125,10 +125,9 @@ def ratios(summary, figure, plot):
                     spreads = {peer: summary.ratio(figure.name, case, quantity, peer, ours)
                                for peer in summary.peers(figure.name, case, quantity)}
                     spreads = {peer: s for peer, s in spreads.items() if s}
-                    most = max((s.median for s in spreads.values()), default=None)
                     rows = [
                         _ratio_row(peer, s.median, s.low, s.high, wide,
-                                   goal_for(quantity, case, ours, peer, s.median == most),
+                                   goal_for(quantity, case, ours, peer),
                                    f"{ours} / {peer}: {digits(s.median)}, quartiles "
                                    f"{digits(s.low)} to {digits(s.high)}, {s.rounds} rounds",
                                    unsure=s.low < 1 < s.high)

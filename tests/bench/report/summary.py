@@ -89,17 +89,9 @@ class Summary:
         return spread(list(rounds.values())) if rounds else None
 
     def ratio(self, figure, case, quantity, peer, subject="gyrotwin"):
-        """Ours over theirs, or None. peer: a name, or "fastest": the least of all in each round."""
+        """Ours over theirs, or None."""
         table = self._table.get((figure, case, quantity), {})
-        ours = table.get(subject, {})
-        if peer == "fastest":
-            theirs = defaultdict(list)
-            for name in self.peers(figure, case, quantity):
-                for number, value in table[name].items():
-                    theirs[number].append(value)
-            theirs = {number: min(values) for number, values in theirs.items()}
-        else:
-            theirs = table.get(peer, {})
+        ours, theirs = table.get(subject, {}), table.get(peer, {})
         ratios = [ours[n] / theirs[n] for n in ours if n in theirs and theirs[n] != 0]
         return spread(ratios) if ratios else None
 

@@ -55,5 +55,5 @@ def with_quartiles(found, unit, percent=False):
 
 def limit(goal, unit, percent=False):
     """A figures.Goal: "≤ 0.45 liblcm", "≥ 15"."""
-    peer = {"": "", "fastest": " of the fastest peer"}.get(goal.peer, f" of {goal.peer}")
+    peer = f" of {goal.peer}" if goal.peer else ""
     return f"{'≥' if goal.at_least else '≤'} {measured(goal.limit, unit, percent)}{peer}"

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 _FIGURE = re.compile(r"[a-z][a-z_]*")
+_UNITS = ("1", "ns", "us", "s", "Hz", "1/s", "rad")
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,7 @@ class Value:
     case: str  # a rig's name, a count, a rate, or ""
     subject: str  # "gyrotwin", "gyrotwin signed" ..., or a peer's plain name
     quantity: str  # p50, p99, max, share ...
-    unit: str  # ns, us, s, 1, 1/s, Hz, rad ...
+    unit: str  # of _UNITS
     value: float
 
 
@@ -44,6 +45,8 @@ def parse(line):
             raise ValueError(f"`{name}` is not a text")
     if not _FIGURE.fullmatch(fields["figure"]):
         raise ValueError("`figure` is not made of a-z and _")
+    if fields["unit"] not in _UNITS:
+        raise ValueError(f"`{fields['unit']}` is not a unit: {', '.join(_UNITS)} are")
     value = fields["value"]
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise ValueError("`value` is not a finite number")
