@@ -14,6 +14,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE / "measure")]
 
+import lab  # noqa: E402
 from report import machine, page, rounds, svg, text  # noqa: E402
 from report.figures import BY_NAME, Figure, Goal  # noqa: E402
 from report.programs import PROGRAMS, Failed, Program, end, measure  # noqa: E402
@@ -243,6 +244,32 @@ class Page(unittest.TestCase):
         x = float(element.get("x"))
         left = {"start": x, "middle": x - width / 2, "end": x - width}[element.get("text-anchor")]
         return left, left + width, float(element.get("y")), element.text
+
+
+class Climbs(unittest.TestCase):
+    def climb(self, held, missing=()):
+        """The highest of five levels, and which were tried."""
+        tried = []
+
+        def holds(level):
+            tried.append(level)
+            if level in missing:
+                raise lab.Missing("it does not start")
+            return level in held
+
+        lab.say, said = lambda text: None, lab.say
+        try:
+            return lab.climb("rigs", (1, 2, 4, 8, 15), holds), tried
+        finally:
+            lab.say = said
+
+    def test_one_level_that_fails_does_not_end_it_and_two_in_a_row_do(self):
+        self.assertEqual(self.climb({1, 4, 15}), (15, [1, 2, 4, 8, 15]))
+        self.assertEqual(self.climb({1, 8}), (1, [1, 2, 4]))
+        self.assertEqual(self.climb({}), (0, [1, 2]))
+
+    def test_what_does_not_start_is_not_held(self):
+        self.assertEqual(self.climb({2, 4, 8}, missing={1}), (8, [1, 2, 4, 8, 15]))
 
 
 class Logs(unittest.TestCase):
