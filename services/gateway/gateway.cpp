@@ -309,7 +309,10 @@ void Gateway::on_reception(const Reception& reception, std::int64_t now_ns, std:
   for (Client& client : clients_) {
     for (const auto& [id, channel] : client.subscriptions) {
       if (channel != reception.channel) continue;
-      client.outbox.put(foxglove::message_data(id, wall_ns, body));
+      Outgoing message = foxglove::message_data(id, wall_ns, body);
+      // Who has asked waits for the answer, and no other follows.
+      message.is_data = reception.channel != Channel::kReply;
+      client.outbox.put(std::move(message));
       ++counters_.messages_out;
     }
   }

@@ -22,6 +22,7 @@
 #include <system_error>
 #include <utility>
 
+#include "services/runtime/clock.hpp"
 #include "services/runtime/journal.hpp"
 
 namespace gyrotwin {
@@ -36,6 +37,10 @@ constexpr std::chrono::milliseconds kLastPatience{200};
 // run, the answer may take 1.9 s.
 constexpr rlim_t kRealtimeSoft = 200'000;
 constexpr rlim_t kRealtimeHard = 2'000'000;
+
+// How often a loop is asked whether it sleeps, and how long it does where it has not.
+constexpr std::int64_t kBreathPeriod = 50'000'000;  // [ns]
+constexpr timespec kBreath{.tv_sec = 0, .tv_nsec = 100'000};
 
 constexpr sched_param kNormal{.sched_priority = 0};
 
@@ -164,6 +169,21 @@ void Daemon::become_realtime(int priority) {
       "ticks may be late under load: realtime priority {}: {}, locked memory: {}; grant both with: "
       "sudo setcap cap_sys_nice,cap_ipc_lock+ep {}",
       priority, outcome(rights.priority_error), outcome(rights.memory_error), own_path());
+}
+
+bool Daemon::next_round() noexcept {
+  rounds_.store(rounds_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  const std::int64_t now = monotonic_ns();
+  if (realtime_thread_ != 0 && now - breath_ns_ >= kBreathPeriod) draw_breath(now);
+  return !stopping();
+}
+
+void Daemon::draw_breath(std::int64_t now_ns) noexcept {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  if (usage.ru_nvcsw == sleeps_) ::nanosleep(&kBreath, nullptr);
+  sleeps_ = usage.ru_nvcsw;
+  breath_ns_ = now_ns;
 }
 
 void Daemon::Line::write(fmt::string_view format, fmt::format_args args) noexcept {

@@ -61,12 +61,10 @@ class Daemon {
   Rights ask_realtime(int priority);
 
   /// For the head of the tick thread's loop: notes that it has come round once more. The first
-  /// round means that the daemon is up; while none follows, systemd's watchdog is not fed.
+  /// round means that the daemon is up; while none follows, systemd's watchdog is not fed. A loop
+  /// that is behind, and has not slept for 50 ms, sleeps for a moment here and keeps its priority.
   /// @return whether the loop shall go on
-  bool next_round() noexcept {
-    rounds_.store(rounds_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-    return !stopping();
-  }
+  bool next_round() noexcept;
 
   /// A termination signal has come.
   bool stopping() const noexcept { return stop_.load(std::memory_order_relaxed); }
@@ -100,6 +98,7 @@ class Daemon {
     std::string_view view() const { return {text.data(), length}; }
   };
 
+  void draw_breath(std::int64_t now_ns) noexcept;
   void queue(LogLevel level, fmt::string_view format, fmt::format_args args) noexcept;
   void queue_status(fmt::string_view format, fmt::format_args args) noexcept;
   void inform_manager();
@@ -109,7 +108,9 @@ class Daemon {
 
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> rounds_{0};
-  ServiceManager manager_;  // the housekeeping thread's; its listens() is everybody's
+  std::int64_t breath_ns_ = 0;  ///< when the tick thread was last asked whether it sleeps
+  long sleeps_ = 0;             ///< of the tick thread, at that time
+  ServiceManager manager_;      // the housekeeping thread's; its listens() is everybody's
   SpscRing<Line, 4> statuses_;
   SpscRing<Line, kLogLines> lines_;
   std::atomic<std::int64_t> lost_lines_{0};

@@ -283,6 +283,11 @@ int policy() { return sched_getscheduler(0) & ~SCHED_RESET_ON_FORK; }
 // On a thread of its own, so that the other tests keep a normal one. To be called in a process of
 // its own, since limits and locked memory stay.
 void realtime(const std::function<void(Daemon&)>& use) {
+  // A daemon is made by its first thread, from which all others have their mask.
+  sigset_t housekeepers;
+  sigemptyset(&housekeepers);
+  sigaddset(&housekeepers, SIGXCPU);
+  pthread_sigmask(SIG_BLOCK, &housekeepers, nullptr);
   std::jthread([&] {
     Daemon daemon("prog");
     daemon.become_realtime(10);
@@ -340,6 +345,16 @@ TEST(DaemonRealtime, ATickThatNeverSleepsLosesThePriority) {
               }),
               ::testing::ExitedWithCode(0),
               "error: the tick thread has not slept for 200 ms and loses its realtime priority");
+}
+
+TEST(DaemonRealtime, ALoopThatIsAlwaysBehindKeepsThePriority) {
+  EXPECT_EXIT(realtime([](Daemon& daemon) {
+                const int given = policy();
+                const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+                while (std::chrono::steady_clock::now() < end) daemon.next_round();
+                if (policy() != given) std::exit(4);
+              }),
+              ::testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

@@ -297,6 +297,20 @@ TEST_F(GatewayTest, ASlowClientLosesItsOldestAndIsTold) {
   EXPECT_NE(all[0]["message"].get<std::string>().find("too slow"), std::string::npos);
 }
 
+TEST_F(GatewayTest, AnAnswerIsNotLeftOutForASlowClient) {
+  Client& slow = joined(Role::kObserver);
+  const int reply_channel = static_cast<int>(Channel::kReply);
+  gateway_.on_text(slow, R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":0},)"
+                         R"({"id":2,"channelId":)" +
+                             std::to_string(reply_channel) + "}]}");
+  hear(Channel::kReply, distinct<reply_t>());
+  for (int i = 0; i < 20'000; ++i) hear(Channel::kState, distinct<state_t>());
+  EXPECT_GT(slow.outbox.dropped(), 1000);
+  const Outgoing oldest = slow.outbox.take();
+  EXPECT_FALSE(oldest.is_data);
+  EXPECT_EQ(oldest.head[1], 2);
+}
+
 TEST_F(GatewayTest, MetricsHaveEveryDaemonThatWasHeard) {
   hear_owner();
   joined(Role::kObserver);
