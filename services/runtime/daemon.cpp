@@ -173,12 +173,12 @@ void Daemon::become_realtime(int priority) {
 
 bool Daemon::next_round() noexcept {
   rounds_.store(rounds_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-  const std::int64_t now = monotonic_ns();
-  if (realtime_thread_ != 0 && now - breath_ns_ >= kBreathPeriod) draw_breath(now);
+  if (realtime_thread_ != 0) draw_breath(monotonic_ns());
   return !stopping();
 }
 
 void Daemon::draw_breath(std::int64_t now_ns) noexcept {
+  if (now_ns - breath_ns_ < kBreathPeriod) return;
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
   if (usage.ru_nvcsw == sleeps_) ::nanosleep(&kBreath, nullptr);

@@ -270,6 +270,8 @@ class Climbs(unittest.TestCase):
 
     def test_what_does_not_start_is_not_held(self):
         self.assertEqual(self.climb({2, 4, 8}, missing={1}), (8, [1, 2, 4, 8, 15]))
+        with self.assertRaises(lab.Missing):  # not "none is held"
+            self.climb({}, missing={1, 2})
 
 
 class Logs(unittest.TestCase):

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "services/model/dual.hpp"
+#include "services/model/sine_cosine.hpp"
 #include "tests/support/allocation_counter.hpp"
 #include "tests/support/random_machine.hpp"
 #include "tests/support/reference_data.hpp"
@@ -184,6 +185,9 @@ TEST(Linearise, DoesNotAllocate) {
 TEST(Dual, FollowsTheRulesOfDifferentiation) {
   const Dual x(0.7, 1.0);
   EXPECT_DOUBLE_EQ((x * x / (2.0 + x)).slope, (2 * 0.7 * 2.7 - 0.49) / (2.7 * 2.7));
+  Dual sine, cosine;
+  model::sine_cosine<1>(&x, &sine, &cosine);
+  EXPECT_DOUBLE_EQ((sine * cosine).slope, std::cos(1.4));
   EXPECT_DOUBLE_EQ(sqrt(x).slope, 0.5 / std::sqrt(0.7));
   EXPECT_DOUBLE_EQ(tanh(x).slope, 1.0 / std::pow(std::cosh(0.7), 2));
   EXPECT_DOUBLE_EQ(abs(-x * x).slope, 1.4);

@@ -62,17 +62,20 @@ def run_program(body):
 
 def climb(unit, levels, holds):
     """The highest level that is held, 0: none. Ends where two in a row are not: who holds more
-    would hold less as well, so one alone was the machine's doing."""
-    highest, failed = 0, 0
+    would hold less as well, so one alone was the machine's doing. Raises Missing where nothing was
+    held for want of something."""
+    highest, failed, why = 0, 0, None
     for level in levels:
         try:
             held = holds(level)
         except Missing as missing:
-            held = False
+            held, why = False, missing
             say(f"{level} {unit}: not held, it does not even start: {missing}")
         highest, failed = (level, 0) if held else (highest, failed + 1)
         if failed == FAILED_AT_MOST:
             break
+    if why and not highest:
+        raise why
     return highest
 
 
