@@ -293,7 +293,20 @@ test('an owner that falls silent is told, and its data marked old', async () => 
   assert.equal(await text(page, '#mode'), 'NO DATA');
   assert.match(await text(page, '#call'), /No data for \d+ s/);
   lab.daemons.get('integrator').kill('SIGCONT');
-  await until(page, () => document.querySelector('#banner').hidden);
+  await until(page, () => document.querySelector('#banner:not([hidden])')?.textContent.includes('No data') !== true);
+});
+
+test('a page that was held up says by how much it is behind, until it is not', async () => {
+  await page.evaluate(() => {
+    globalThis.banners = [];
+    const banner = document.querySelector('#banner');
+    new MutationObserver(() => globalThis.banners.push(banner.hidden ? '' : banner.textContent))
+      .observe(banner, {attributes: true, childList: true, characterData: true, subtree: true});
+    const end = performance.now() + 4000;
+    while (performance.now() < end);
+  });
+  await until(page, () => globalThis.banners.some((text) => /^What is shown is [2-9] s old/.test(text)));
+  await until(page, () => /live/.test(document.querySelector('#link').textContent));
 });
 
 test('a gateway that restarts is found again', async () => {
@@ -301,7 +314,7 @@ test('a gateway that restarts is found again', async () => {
   await lab.kill('gateway');
   await until(page, () => /connection to the gateway is lost/.test(document.querySelector('#banner').textContent));
   lab.startGateway();
-  await until(page, () => document.querySelector('#banner').hidden);
+  await until(page, () => document.querySelector('#banner:not([hidden])')?.textContent.includes('connection') !== true);
   lab.errors.splice(quiet);  // Chromium's own, for connections that were refused
 });
 

@@ -40,6 +40,37 @@ export class Happenings {
   private static what(text: string): string { return text.replace(Happenings.amount, '#'); }
 }
 
+/** How long what comes has been on its way: a question's answer queues behind everything else, at the gateway and here. */
+export class Delay {
+  private static readonly most = 100;  // questions on their way
+  private readonly asked = new Map<string, number>();  // when [ms]
+  private count = 0;
+  private last = 0;  // [ms]
+
+  /** @returns by what to know the answer; null: enough are on their way */
+  ask(): string | null {
+    if (this.asked.size >= Delay.most) return null;
+    const id = `delay ${++this.count}`;
+    this.asked.set(id, performance.now());
+    return id;
+  }
+  answered(id: string): void {
+    const at = this.asked.get(id);
+    if (at === undefined) return;
+    this.asked.delete(id);
+    this.last = performance.now() - at;
+  }
+  forget(): void {
+    this.asked.clear();
+    this.last = 0;
+  }
+  /** Of the last answer, or so far of one that has not come, whichever is longer [s]. */
+  get seconds(): number {
+    const [oldest] = this.asked.values();
+    return 1e-3 * Math.max(this.last, oldest === undefined ? 0 : performance.now() - oldest);
+  }
+}
+
 /** From the page's clock to the gateway's [s]: the least delayed message of the last 10 to 20 s tells it best. */
 export class ClockDifference {
   private static readonly window = 10;  // [s]

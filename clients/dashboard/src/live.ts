@@ -4,7 +4,7 @@ import {MessageReader} from '@foxglove/rosmsg2-serialization';
 
 import {Ring} from './charts/ring_buffer';
 import {type Channel, Connection, type Data, type Parameter, type ServerMessage, type Value} from './foxglove';
-import {ClockDifference, Happenings, Heard, type Recording, type Tone} from './heard';
+import {ClockDifference, Delay, Happenings, Heard, type Recording, type Tone} from './heard';
 import {Layout, Numbers} from './layout';
 import {
   FALLS, type Forecast, type Health, type Link, MODES, type Reply, type State, type Status, type Topic, type Topics,
@@ -19,6 +19,7 @@ export const KEPT = 60;  // [s]
 const FASTEST = 1100;    // messages a second that a ring has room for
 const PATIENCE = 5000;   // for the owner's answer, which the gateway asks for during 2 s [ms]
 export const STALE = 1;  // [s]
+const ASK_EVERY = 500;   // how late the page is [ms]
 
 type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';
 export const DAEMONS: readonly Topic[] = ['INTEGRATOR/STATUS', 'HARDWARE/STATUS', 'CONTROLLER/STATUS', 'MIRROR/STATUS',
@@ -56,8 +57,10 @@ export class Live {
   private readonly asked = new Map<string, {what: string; timer: ReturnType<typeof setTimeout>}>();
   private answered = '';  // the last request that was
   private readonly clock = new ClockDifference();
+  private readonly delay = new Delay();
   private listening = false;
   private said = {health: '', falls: false, epoch: -1n, sequence: -1n};
+  private readonly lostBefore = new Map<Topic, number>();  // STATE, when a STATUS came last
 
   constructor(url: string, private readonly ready: (live: Live) => void) {
     this.connection = new Connection(url, {
@@ -66,14 +69,15 @@ export class Live {
       message: (message) => this.take(message),
       data: (data) => this.hear(data),
     });
+    setInterval(() => this.askDelay(), ASK_EVERY);
   }
 
   /** Time of the gateway's clock [s]. */
   now(): number { return performance.now() * 1e-3 + this.clock.offset; }
   /** By the page's own clock [s]. */
   age(heard: Heard<unknown> | null | undefined): number { return heard ? 1e-3 * (performance.now() - heard.here) : Infinity; }
-  /** STATE that came within the last second. */
-  get rate(): number { return this.states.size - this.states.before(this.now() - 1); }
+  /** STATE of the last second that is known. */
+  get rate(): number { return this.state ? this.states.size - this.states.before(this.state.at - 1) : 0; }
   get isOperator(): boolean { return this.role === 'operator'; }
 
   /** STATUS of whoever owns the plant, the last that spoke. */
@@ -84,6 +88,8 @@ export class Live {
   get isReal(): boolean { return this.owner !== null && this.owner === this.status.get('HARDWARE/STATUS'); }
   get mode(): number | null { return this.owner ? this.owner.value.mode : null; }
   get stale(): boolean { return !this.connected || this.age(this.state) > STALE; }
+  /** By how much what is shown is behind [s]; 0: it is not. */
+  get late(): number { return this.delay.seconds > STALE ? this.delay.seconds : 0; }
 
   happen(tone: Tone, who: string, text: string): void { this.happenings.add(tone, who, text); }
 
@@ -111,6 +117,7 @@ export class Live {
   private closed(): void {
     if (this.connected) this.happen('bad', 'gateway', 'the connection is lost');
     this.connected = this.listening = false;
+    this.delay.forget();
     this.subscriptions = new Map();
     this.said.sequence = -1n;
   }
@@ -122,6 +129,7 @@ export class Live {
     } else if (message.op === 'advertise' && 'channels' in message) {
       this.subscribe(message.channels);
     } else if (message.op === 'parameterValues' && 'parameters' in message) {
+      if (message.id) this.delay.answered(message.id);
       this.takeParameters(message.parameters);
     } else if (message.op === 'status' && 'message' in message) {
       this.happen(message.level > 0 ? 'bad' : 'info', 'gateway', message.message);
@@ -153,6 +161,11 @@ export class Live {
     this.listening = true;
     const subscriptions = [...this.subscriptions.keys()].map((id) => ({id, channelId: id}));
     this.connection.send({op: 'subscribe', subscriptions});
+  }
+
+  private askDelay(): void {
+    const id = this.listening ? this.delay.ask() : null;
+    if (id) this.connection.send({op: 'getParameters', parameterNames: ['recording'], id});
   }
 
   private takeParameters(parameters: Parameter[]): void {
@@ -257,9 +270,10 @@ export class Live {
       const bad = mode >= SAFE_STOP && mode <= FAULT;
       this.happen(bad ? 'bad' : 'info', service,
         `${MODES[before.value.mode] ?? ''} → ${MODES[mode] ?? mode}${text ? `: ${text}` : ''}`);
-    } else if (heard.at - before.at > 2) {
+    } else if (heard.at - before.at > 2 && this.lostBefore.get(topic) === this.lost) {  // else it was left out, as STATE was
       this.happen('good', service, 'is back');
     }
+    this.lostBefore.set(topic, this.lost);
   }
 
   private hearReply(reply: Reply): void {

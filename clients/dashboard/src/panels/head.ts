@@ -10,7 +10,7 @@ const byId = <T extends HTMLElement>(id: string): T => document.getElementById(i
 
 /** What is wrong with the data, in words; '': nothing. */
 export function staleWords(live: Live): string {
-  if (!live.stale) return '';
+  if (!live.stale) return live.late ? `What is shown is ${live.late.toFixed(0)} s old: this browser or its line is too slow.` : '';
   if (!live.connected) {
     return live.everConnected ? 'The connection to the gateway is lost; trying again. What is shown is old.' : 'Connecting to the gateway…';
   }
@@ -32,7 +32,7 @@ export class Head {
     const shown = words !== '' && performance.now() - this.born > 1500;
     banner.hidden = !shown;
     if (shown) say(banner, words);
-    this.drawCall(shown);
+    this.drawCall(shown && this.live.stale);
   }
 
   private drawMode(): void {
@@ -45,10 +45,11 @@ export class Head {
     plant.hidden = !owner;
     say(plant, live.isReal ? 'real rig' : 'simulated');
     const link = byId('link');
-    put(link, 'data-room', !live.connected ? 'gone' : stale ? 'close' : 'fine');
-    const rate = live.rate;
-    say(link, !live.connected ? '✕ offline' : stale ? '▲ connected, no data' : `✓ live, ${rate >= 100 ? Math.round(rate / 10) * 10 : rate}/s`);
-    link.title = `${live.isOperator ? 'operator' : 'observer'} of ${live.prefix}; states that came here within the last second`;
+    put(link, 'data-room', !live.connected ? 'gone' : stale || live.late ? 'close' : 'fine');
+    const rate = live.rate >= 100 ? Math.round(live.rate / 10) * 10 : live.rate;
+    say(link, !live.connected ? '✕ offline' : stale ? '▲ connected, no data' : live.late ? `▲ ${live.late.toFixed(1)} s behind, ${rate}/s`
+      : `✓ live, ${rate}/s`);
+    link.title = `${live.isOperator ? 'operator' : 'observer'} of ${live.prefix}; states a second that come here`;
   }
 
   private drawReadout(): void {
