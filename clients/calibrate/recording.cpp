@@ -101,7 +101,7 @@ class Follower {
     const std::int64_t from = now().tick;
     if (header.tick - from > leap_) {
       throw Error(
-          fmt::format("{}: tick {} comes right after tick {} of run {:08x}: a leap of more than "
+          fmt::format("{}: tick {} comes right after tick {} of run {:016x}: a leap of more than "
                       "{:g} s is damage, or a record with a hole; record it again",
                       file_, header.tick, from, static_cast<std::uint64_t>(header.epoch) >> 32,
                       kLongestLeap_s));

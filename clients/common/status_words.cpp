@@ -3,19 +3,14 @@
 #include <iterator>
 #include <numeric>
 
+#include "clients/common/time_text.hpp"
 #include "services/runtime/text.hpp"
 
 namespace gyrotwin {
 
-std::string time_text(std::int64_t ns) {
-  const double value = static_cast<double>(ns);
-  if (ns >= 1'000'000'000) return fmt::format("{:.3g} s", 1e-9 * value);
-  if (ns >= 1'000'000) return fmt::format("{:.3g} ms", 1e-6 * value);
-  return fmt::format("{:.3g} us", 1e-3 * value);
-}
-
 std::string distribution_text(std::int64_t p50, std::int64_t p99, std::int64_t max) {
-  return fmt::format("p50 {}, p99 {}, max {}", time_text(p50), time_text(p99), time_text(max));
+  return fmt::format("p50 {}, p99 {}, max {}", time_text_ns(p50), time_text_ns(p99),
+                     time_text_ns(max));
 }
 
 std::string process_text(const status_t& status) {
@@ -52,7 +47,7 @@ std::string clock_text(const link_t& link) {
   if (link.clock_offset_sigma_ns == 0) return "not known yet";
   return fmt::format("{:+.6f} s +-{}, {:+.1f} ppm",
                      1e-9 * static_cast<double>(link.clock_offset_ns),
-                     time_text(link.clock_offset_sigma_ns), link.clock_drift_ppm);
+                     time_text_ns(link.clock_offset_sigma_ns), link.clock_drift_ppm);
 }
 
 std::string line_losses_text(const link_t& link) {

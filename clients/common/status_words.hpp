@@ -12,9 +12,6 @@
 
 namespace gyrotwin {
 
-/// "70 us", "1.25 ms", "2 s".
-std::string time_text(std::int64_t ns);
-
 /// "p50 70 us, p99 1.25 ms, max 2 s".
 std::string distribution_text(std::int64_t p50, std::int64_t p99, std::int64_t max);
 

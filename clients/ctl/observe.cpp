@@ -118,7 +118,7 @@ void wait_for_balance(Asker& asker, BalanceWatch watch, std::int64_t limit_ns) {
   throw NotDone(fmt::format(
       "not balanced within {:g} s: the owner is {}{}", seconds(limit_ns), mode_text(status),
       watch.tilt() < 0.0 ? ", no STATE with a tilt was heard"
-                         : fmt::format(", the tilt {:.3g} deg", degrees(watch.tilt()))));
+                         : fmt::format(", the tilt {:.3f} deg", degrees(watch.tilt()))));
 }
 
 }  // namespace gyrotwin

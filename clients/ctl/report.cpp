@@ -4,6 +4,7 @@
 
 #include "clients/common/status_words.hpp"
 #include "clients/common/tilt.hpp"
+#include "clients/common/time_text.hpp"
 #include "services/runtime/mode.hpp"
 #include "services/runtime/text.hpp"
 
@@ -36,10 +37,10 @@ std::string bus(const status_t& s) {
   return fmt::format("{} sent, {} received; {}", sum(s.sent), sum(s.received), bad);
 }
 
-/// "2.31 deg".
+/// "2.310 deg".
 std::string tilt_text(const Sighting& sighting) {
   const std::optional<double> angle = tilt(sighting);
-  return angle ? fmt::format("{:.3g} deg", degrees(*angle)) : "not told by STATE";
+  return angle ? fmt::format("{:.3f} deg", degrees(*angle)) : "not told by STATE";
 }
 
 /// "at 100 % of their speed", or of each where they differ.
@@ -60,8 +61,8 @@ std::string link_text(const link_t& link) {
           ? fmt::format("heard on {}, it is {}", get_text(link.text), mode_name(link.device_mode))
           : fmt::format("not heard on {}", get_text(link.text));
   return line("device", device) + line("its clock", clock_text(link)) +
-         line("line", fmt::format("round trip p50 {}, max {}", time_text(link.round_trip_p50_ns),
-                                  time_text(link.round_trip_max_ns))) +
+         line("line", fmt::format("round trip p50 {}, max {}", time_text_ns(link.round_trip_p50_ns),
+                                  time_text_ns(link.round_trip_max_ns))) +
          line("lost", line_losses_text(link));
 }
 

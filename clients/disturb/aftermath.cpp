@@ -28,7 +28,10 @@ bool Aftermath::on(const state_t& state) noexcept {
 }
 
 std::string Aftermath::text() const {
-  if (fell()) return fmt::format("{} after {:.3g} s", mode_name(mode_), time(tick_));
+  if (fell()) {
+    return fmt::format("{} after {:.3g} s; `gyrotwin ctl reset`, then `gyrotwin ctl arm`",
+                       mode_name(mode_), time(tick_));
+  }
   if (peak_ < 0.0) return "STATE tells no tilt to watch";
   return fmt::format("peak {:.3f} deg after {:.3g} s, {:.3f} deg after {:.3g} s", degrees(peak_),
                      time(peak_tick_), degrees(tilt_), time(tick_));

@@ -40,8 +40,8 @@ std::string channel_lines(const LogInfo& info) {
 }
 
 std::string run_lines(const RunInfo& run) {
-  std::string text = fmt::format("\nrun {}: {:.3f} to {:.3f} s, ticks {} to {}, {}\n", run.epoch,
-                                 run.first_s, run.last_s, run.first_tick, run.last_tick,
+  std::string text = fmt::format("\nrun {:016x}: {:.3f} to {:.3f} s, ticks {} to {}, {}\n",
+                                 run.epoch, run.first_s, run.last_s, run.first_tick, run.last_tick,
                                  run.modes.empty() ? "no mode seen" : list(run.modes));
   for (const RequestInfo& request : run.requests) {
     text += fmt::format("{:>12.3f} s  {}: {}", request.seconds, request.verb, request.result);

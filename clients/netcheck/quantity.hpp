@@ -3,20 +3,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <cmath>
 #include <cstdint>
 #include <string>
 
-namespace gyrotwin::netcheck {
+#include "clients/common/time_text.hpp"
 
-/// "12.3 us", "1.5 ms", "3 s".
-inline std::string time_text_ns(std::int64_t ns) {
-  const auto value = static_cast<double>(ns);
-  const double size = std::abs(value);
-  if (size < 999.5e3) return fmt::format("{:.3g} us", 1e-3 * value);
-  if (size < 999.5e6) return fmt::format("{:.3g} ms", 1e-6 * value);
-  return fmt::format("{:.4g} s", 1e-9 * value);
-}
+namespace gyrotwin::netcheck {
 
 /// "0", "503 (5.03 %)".
 inline std::string count_text(std::int64_t count, std::int64_t of) {

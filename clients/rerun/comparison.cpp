@@ -81,7 +81,7 @@ void Comparison::compare(const Key& key, const Payload& recorded, const Payload&
   std::size_t i = 0;
   while (i + 1 < was.size() && was[i] == is[i]) ++i;
   first_difference_ =
-      fmt::format("{}, sequence {} of run {:08x}: recorded {}, now {}", spec(channel).suffix,
+      fmt::format("{}, sequence {} of run {:016x}: recorded {}, now {}", spec(channel).suffix,
                   sequence, static_cast<std::uint64_t>(epoch) >> 32, was[i], is[i]);
 }
 

@@ -5,6 +5,7 @@
 
 #include "clients/common/request_words.hpp"
 #include "clients/common/status_words.hpp"
+#include "clients/common/time_text.hpp"
 #include "services/runtime/mode.hpp"
 #include "services/runtime/text.hpp"
 
@@ -133,8 +134,8 @@ void Monitor::on_status(Followed& peer, const status_t& status, const Moment& no
   }
   if (!was_alive) {
     happen(now, gravity(status.mode), peer.name,
-           fmt::format("heard again after {}, {}{}", time_text(now.mono_ns - before->at_ns), mode,
-                       because(status)));
+           fmt::format("heard again after {}, {}{}", time_text_ns(now.mono_ns - before->at_ns),
+                       mode, because(status)));
   } else if (before->message.mode != status.mode) {
     happen(now, gravity(status.mode), peer.name,
            fmt::format("{} -> {}{}", mode_name(before->message.mode), mode, because(status)));
@@ -167,7 +168,7 @@ void Monitor::on_forecast(const forecast_t& forecast, const Moment& now) {
   const bool fell = before && before->message.outcome == forecast_t::FALLS;
   if (falls == fell) return;
   happen(now, falls ? Level::kBad : Level::kGood, "forecast",
-         falls ? fmt::format("it falls in {}", time_text(forecast.falls_in_ns)) : "it stands");
+         falls ? fmt::format("it falls in {}", time_text_ns(forecast.falls_in_ns)) : "it stands");
 }
 
 void Monitor::on_link(const link_t& link, const Moment& now) {
@@ -262,10 +263,10 @@ void Monitor::look(const Moment& now, const BusCounters& bus) {
   for (Followed* peer : {&owner_, &controller_, &mirror_}) {
     if (!peer->alive || now.mono_ns - peer->status->at_ns < kSilenceNs) continue;
     peer->alive = false;
-    happen(
-        now, Level::kBad, peer->name,
-        fmt::format("not heard for {}; it was {}, {}", time_text(now.mono_ns - peer->status->at_ns),
-                    process_text(peer->status->message), mode_name(peer->status->message.mode)));
+    happen(now, Level::kBad, peer->name,
+           fmt::format("not heard for {}; it was {}, {}",
+                       time_text_ns(now.mono_ns - peer->status->at_ns),
+                       process_text(peer->status->message), mode_name(peer->status->message.mode)));
   }
   forget_what_is_over();
   measure(now);

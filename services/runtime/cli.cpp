@@ -38,13 +38,21 @@ std::vector<std::string> possible(const CLI::App& app, bool options) {
   return names;
 }
 
-/// What the first word that found no place was likely meant to be.
-std::string did_you_mean_possible(const CLI::App& app) {
-  const std::vector<std::string> unplaced = app.remaining(true);
-  if (unplaced.empty()) return {};
-  const std::string word = unplaced.front().substr(0, unplaced.front().find('='));
-  const std::vector<std::string> names = possible(app, word.starts_with('-'));
-  return did_you_mean(nearest(word, std::vector<std::string_view>(names.begin(), names.end())));
+/// What a word that found no place was likely meant to be; empty where none is near.
+std::string meant_by(const CLI::App& app, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  const std::vector<std::string> names = possible(app, name.starts_with('-'));
+  return std::string(nearest(name, std::vector<std::string_view>(names.begin(), names.end())));
+}
+
+/// The words that found no place, in the order in which they were given.
+std::string unexpected(const CLI::App& app) {
+  std::string list, meant;
+  for (const std::string& word : app.remaining(true)) {
+    list += (list.empty() ? "`" : ", `") + word + '`';
+    if (meant.empty()) meant = meant_by(app, word);
+  }
+  return "not expected: " + list + did_you_mean(meant);
 }
 
 }  // namespace
@@ -125,7 +133,8 @@ int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>
   } catch (const CLI::Success& answered) {
     return app.exit(answered);  // prints help or version
   } catch (const CLI::ParseError& error) {
-    complain(app, error.what() + did_you_mean_possible(app) + "\n`" + app.get_name() +
+    const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+    complain(app, (extra ? unexpected(app) : error.what()) + "\n`" + app.get_name() +
                       " --help` shows what can be given");
     return kUsage;
   } catch (const NotReady& error) {

@@ -133,7 +133,8 @@ void TomlReader::finish() {
   std::stable_sort(mistakes_.begin(), mistakes_.end(), [](const Mistake& a, const Mistake& b) {
     return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
   });
-  std::string text = source_ + " cannot be used:";
+  std::string text =
+      source_ + (document_->overrides.empty() ? "" : ", as --set changes it,") + " cannot be used:";
   for (const Mistake& mistake : mistakes_) text += '\n' + mistake.text;
   throw Error(text);
 }

@@ -39,7 +39,8 @@ inline Strings mistakes_in(const std::string& text, const Strings& overrides = {
     reader.finish();
   } catch (const Error& error) {
     Strings lines = lines_of(error.what());
-    EXPECT_EQ(lines.front(), "r.toml cannot be used:");
+    EXPECT_EQ(lines.front(), overrides.empty() ? "r.toml cannot be used:"
+                                               : "r.toml, as --set changes it, cannot be used:");
     lines.erase(lines.begin());
     return lines;
   }

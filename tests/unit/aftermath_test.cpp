@@ -52,7 +52,7 @@ TEST(AftermathTest, EndsWhereItFalls) {
   EXPECT_TRUE(aftermath.on(state_at(840, 41.0, status_t::MODE_FALLEN)));
   EXPECT_TRUE(aftermath.over());
   EXPECT_TRUE(aftermath.fell());
-  EXPECT_EQ(aftermath.text(), "FALLEN after 0.84 s");
+  EXPECT_EQ(aftermath.text(), "FALLEN after 0.84 s; `gyrotwin ctl reset`, then `gyrotwin ctl arm`");
 }
 
 TEST(AftermathTest, SaysSoWhereThereIsNoTilt) {

@@ -65,9 +65,9 @@ TEST(RunProgram, HelpAndVersionAreAnswersNotErrors) {
 TEST(RunProgram, WrongUsageEndsWith2AndOneMessage) {
   const Outcome unknown = run({"--sped", "3"});
   EXPECT_EQ(unknown.code, 2);
-  EXPECT_EQ(unknown.err.find("gyrotwin-trial: error: "), 0U) << unknown.err;
-  EXPECT_NE(unknown.err.find("--sped"), std::string::npos) << unknown.err;
-  EXPECT_NE(unknown.err.find("`gyrotwin-trial --help`"), std::string::npos) << unknown.err;
+  EXPECT_EQ(unknown.err,
+            "gyrotwin-trial: error: not expected: `--sped`, `3`; did you mean `--speed`?\n"
+            "`gyrotwin-trial --help` shows what can be given\n");
 }
 
 TEST(RunProgram, ErrorEndsWith2) {
@@ -197,8 +197,8 @@ TEST(RigOptions, CheckAnswersWithoutRunning) {
       run({"--check-config", "--set", "loop.rate_hz=-1", "--set", "disc.mass=1"}, never);
   EXPECT_EQ(bad.code, 2);
   EXPECT_EQ(bad.out, "");
-  EXPECT_EQ(bad.err.substr(bad.err.find(" cannot be used")),
-            " cannot be used:\n"
+  EXPECT_EQ(bad.err.substr(bad.err.find(", as --set")),
+            ", as --set changes it, cannot be used:\n"
             "--set disc.mass: error: unknown key `disc.mass`; did you mean `disc.mass_kg`?\n"
             "--set loop.rate_hz: error: `loop.rate_hz` is -1, expected a number from 1 to 10000\n");
 

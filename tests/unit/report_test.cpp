@@ -108,7 +108,7 @@ TEST(Report, SaysWhatMatters) {
   for (const char* part :
        {"rig prototype_b on this host only (lo)\n",
         "SAFE_STOP at tick 5210, 5.210 s: no valid command in time\n", "4711 on lab\n",
-        "realtime, 1000 Hz, speed 0.5\n", "2.86 deg\n", "at 75 % of their speed\n",
+        "realtime, 1000 Hz, speed 0.5\n", "2.865 deg\n", "at 75 % of their speed\n",
         "2 disturbances, 1 fault act or are to come\n", "p50 70 us, p99 1.25 ms, max 2 s\n",
         "3 ticks too late\n", "held by the controller\n", "7 expired\n",
         "3 never came, 4 without the right signature\n", "controller  ACTIVE"}) {

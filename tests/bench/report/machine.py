@@ -53,6 +53,17 @@ def _realtime():
     return _said(sys.executable, "-c", test) == "yes"
 
 
+def running(prefix):
+    """Programs whose names begin so, as "name (pid)"."""
+    names = {}
+    for process in Path("/proc").glob("[0-9]*"):
+        words = _read(process / "cmdline").split("\0")
+        name = Path(words[0]).name
+        if name.startswith(prefix):
+            names[int(process.name)] = name
+    return [f"{name} ({pid})" for pid, name in sorted(names.items())]
+
+
 def load_average():
     """Of the last minute."""
     return os.getloadavg()[0]
