@@ -148,7 +148,8 @@ void add_level(const Rig& rig, const UmbrellaParameters& p, const Symbols& x, Th
                   : "it is released where the disc, its speed held, still restores",
               machine.tilt(rig.initial_state(machine)), wall / U, "rad", Role::kAdvises));
     all.push_back(below("push", "reference push < H |Omega| sqrt(A/U)",
-                        "the turning disc takes the rig's reference push at held speed",
+                        "the turning disc takes the rig's reference push at held speed; a drive "
+                        "that speeds it up takes more",
                         rig.reference_impulse_nms, wall * std::sqrt(A / U), "N m s",
                         Role::kAdvises));
   }

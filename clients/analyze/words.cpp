@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/common/tilt.hpp"
+#include "clients/common/wrap.hpp"
 
 namespace gyrotwin {
 
@@ -13,7 +14,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::size_t kColumns = 100;
+
 std::string heading(const std::string& text) { return "\n" + text + "\n"; }
+
+/// Its first line indented by so much, the others so much more.
+std::string paragraph(std::size_t indent, const std::string& text, std::size_t more = 0) {
+  std::string lines, blanks(indent, ' ');
+  for (const std::string& line : wrap(text, kColumns - indent - more)) {
+    lines += blanks + line + '\n';
+    blanks.resize(indent + more, ' ');
+  }
+  return lines;
+}
 
 std::string mark(const Condition& condition) {
   return condition.holds ? "ok" : condition.decides() ? "FAILS" : "fails";
@@ -24,12 +37,14 @@ std::string factor(double margin) {
 }
 
 std::string told(const Case& seen) {
-  std::string text = fmt::format("  {}\n    {}\n", seen.name, seen.sentence);
-  if (seen.pushed) text += fmt::format("    with its reference push {}\n", push_words(seen));
-  if (!seen.linear) return text + "    no steady motion to linearise about\n";
+  std::string text = paragraph(2, seen.name) + paragraph(4, seen.sentence, 2);
+  if (seen.pushed) text += paragraph(4, "with its reference push " + push_words(seen), 2);
+  if (!seen.linear) return text + paragraph(4, "no steady motion to linearise about");
   const Modes& modes = seen.linear->modes;
-  text += "    eigenvalues [1/s]: " + listed_rates(modes.eigenvalues) + "\n";
-  for (const std::string& caution : cautions(*seen.linear)) text += "    (" + caution + ")\n";
+  text += paragraph(4, "eigenvalues [1/s]: " + listed_rates(modes.eigenvalues), 2);
+  for (const std::string& caution : cautions(*seen.linear)) {
+    text += paragraph(4, '(' + caution + ')', 1);
+  }
   return text;
 }
 
@@ -41,7 +56,7 @@ std::string conditions_text(const Theory& theory) {
     text += c.compares() ? fmt::format("{:>12.4g} {} {:<12.4g}{:<12}{}\n", c.value, c.relation,
                                        c.required, c.unit, factor(c.margin))
                          : fmt::format("{:>12}\n", c.holds ? "yes" : "no");
-    text += fmt::format("        {}\n", c.meaning);
+    text += paragraph(8, c.meaning);
   }
   return text;
 }
@@ -58,8 +73,8 @@ std::string criteria_text(const Theory& theory) {
   std::string text;
   if (!theory.criteria.empty()) text += heading("Characteristic polynomials of the reduced model");
   for (const Criterion& c : theory.criteria) {
-    text += fmt::format("  {}: {}\n    = {}\n    Routh's first column:", c.name, c.formula,
-                        text_of(c.polynomial));
+    text += paragraph(2, c.name + ": " + c.formula, 2);
+    text += paragraph(4, "= " + text_of(c.polynomial), 2) + "    Routh's first column:";
     for (const auto& row : c.scheme.rows) text += fmt::format(" {:.4g}", row[0]);
     text += c.scheme.stable()        ? ": stable\n"
             : c.scheme.unstable == 0 ? ": roots on the imaginary axis\n"
@@ -73,7 +88,8 @@ std::string comparisons_text(const std::vector<Comparison>& comparisons) {
   std::string text;
   if (!comparisons.empty()) text += heading("Closed forms beside integration");
   for (const Comparison& c : comparisons) {
-    text += fmt::format("  {:<72} {:>11.5g} {:>11.5g} {:<6} off by {:.1e}\n", c.meaning, c.formula,
+    text += paragraph(2, c.meaning, 2) +
+            fmt::format("      {:>11.5g} and {:>11.5g} {:<6} off by {:.1e}\n", c.formula,
                         c.integrated, c.unit, c.deviation);
   }
   return text;
@@ -82,7 +98,7 @@ std::string comparisons_text(const std::vector<Comparison>& comparisons) {
 std::string limits_text(const Analysis& analysis) {
   if (analysis.limits.empty()) return "";
   std::string text = heading("Limits, by bisection on the full model");
-  text += "  (" + limits_rule(analysis) + ")\n";
+  text += paragraph(2, '(' + limits_rule(analysis) + ')', 1);
   for (const Limit& limit : analysis.limits) {
     text += fmt::format("  {:<60} stands {:<14} {:<36} tilt up to {:.3g} deg\n", limit.meaning,
                         with_unit(limit.bracket.stands, limit.unit) + ",", limit_words(limit) + ",",
@@ -261,8 +277,9 @@ std::string listed_rates(const Eigen::VectorXcd& eigenvalues) {
 
 std::string text_of(const Rig& rig, const Analysis& analysis) {
   const Case& filed = analysis.as_filed();
-  std::string text = fmt::format("{}: {}\n  why: {}\n", rig.name, filed.sentence, analysis.reason);
-  if (!analysis.caution.empty()) text += "  but: " + analysis.caution + "\n";
+  std::string text = paragraph(0, rig.name + ": " + filed.sentence, 2);
+  text += paragraph(2, "why: " + analysis.reason, 5);
+  if (!analysis.caution.empty()) text += paragraph(2, "but: " + analysis.caution, 5);
   text += heading("Simulated, and linearised about the steady motion");
   for (const Case& seen : analysis.cases) text += told(seen);
   return text + conditions_text(analysis.theory) + limits_text(analysis) +
