@@ -305,7 +305,7 @@ test('a page that was held up says by how much it is behind, until it is not', a
     const end = performance.now() + 4000;
     while (performance.now() < end);
   });
-  await until(page, () => globalThis.banners.some((text) => /^What is shown is [2-9] s old/.test(text)));
+  await until(page, () => globalThis.banners.some((text) => /too slow: what is shown comes up to [2-9]\.\d s late/.test(text)));
   await until(page, () => /live/.test(document.querySelector('#link').textContent));
 });
 

@@ -40,12 +40,15 @@ export class Happenings {
   private static what(text: string): string { return text.replace(Happenings.amount, '#'); }
 }
 
-/** How long what comes has been on its way: a question's answer queues behind everything else, at the gateway and here. */
+/** How long what comes has waited, at the gateway and here: a question's answer queues behind all of it. */
 export class Delay {
-  private static readonly most = 100;  // questions on their way
+  private static readonly most = 100;    // questions on their way
+  private static readonly held = 5000;   // for which the longest is told [ms]
   private readonly asked = new Map<string, number>();  // when [ms]
   private count = 0;
-  private last = 0;  // [ms]
+  private last = 0;         // that an answer took [ms]
+  private least = Infinity;  // likewise: the way alone
+  private longest = {ms: 0, at: 0};
 
   /** @returns by what to know the answer; null: enough are on their way */
   ask(): string | null {
@@ -59,15 +62,24 @@ export class Delay {
     if (at === undefined) return;
     this.asked.delete(id);
     this.last = performance.now() - at;
+    this.least = Math.min(this.least, this.last);
   }
-  forget(): void {
+  /** What was asked before is about what waits no more. */
+  begin(): void {
     this.asked.clear();
     this.last = 0;
   }
-  /** Of the last answer, or so far of one that has not come, whichever is longer [s]. */
+  /** By the last answer, or by one that has not come yet if that is longer [s]. */
   get seconds(): number {
-    const [oldest] = this.asked.values();
-    return 1e-3 * Math.max(this.last, oldest === undefined ? 0 : performance.now() - oldest);
+    const [oldest] = this.asked.values(), now = performance.now();
+    const took = Math.max(this.last, oldest === undefined ? 0 : now - oldest);
+    const ms = Math.max(0, took - (Number.isFinite(this.least) ? this.least : 0));
+    if (ms >= this.longest.ms || now - this.longest.at > Delay.held) this.longest = {ms, at: now};
+    return 1e-3 * ms;
+  }
+  /** The longest of the last seconds [s]. */
+  get recent(): number {
+    return Math.max(this.seconds, 1e-3 * this.longest.ms);
   }
 }
 

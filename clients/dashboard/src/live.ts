@@ -19,7 +19,9 @@ export const KEPT = 60;  // [s]
 const FASTEST = 1100;    // messages a second that a ring has room for
 const PATIENCE = 5000;   // for the owner's answer, which the gateway asks for during 2 s [ms]
 export const STALE = 1;  // [s]
-const ASK_EVERY = 500;   // how late the page is [ms]
+const ASK_EVERY = 250;   // how late the page is [ms]
+const LATE = 0.4;        // from which on it lets go of floods [s]
+const FLOODS: readonly Topic[] = ['LIVE/STATE', 'SIM/TRUTH', 'TWIN/STATE'];  // a thousand a second
 
 type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';
 export const DAEMONS: readonly Topic[] = ['INTEGRATOR/STATUS', 'HARDWARE/STATUS', 'CONTROLLER/STATUS', 'MIRROR/STATUS',
@@ -58,6 +60,7 @@ export class Live {
   private answered = '';  // the last request that was
   private readonly clock = new ClockDifference();
   private readonly delay = new Delay();
+  private flooded = '';  // the answer that comes after all that this page was too slow for
   private listening = false;
   private said = {health: '', falls: false, epoch: -1n, sequence: -1n};
   private readonly lostBefore = new Map<Topic, number>();  // STATE, when a STATUS came last
@@ -88,8 +91,8 @@ export class Live {
   get isReal(): boolean { return this.owner !== null && this.owner === this.status.get('HARDWARE/STATUS'); }
   get mode(): number | null { return this.owner ? this.owner.value.mode : null; }
   get stale(): boolean { return !this.connected || this.age(this.state) > STALE; }
-  /** By how much what is shown is behind [s]; 0: it is not. */
-  get late(): number { return this.delay.seconds > STALE ? this.delay.seconds : 0; }
+  /** By how much what is shown is behind, at most [s]; 0: it is not. */
+  get late(): number { return this.delay.recent > STALE ? this.delay.recent : 0; }
 
   happen(tone: Tone, who: string, text: string): void { this.happenings.add(tone, who, text); }
 
@@ -117,7 +120,8 @@ export class Live {
   private closed(): void {
     if (this.connected) this.happen('bad', 'gateway', 'the connection is lost');
     this.connected = this.listening = false;
-    this.delay.forget();
+    this.flooded = '';
+    this.delay.begin();
     this.subscriptions = new Map();
     this.said.sequence = -1n;
   }
@@ -129,7 +133,7 @@ export class Live {
     } else if (message.op === 'advertise' && 'channels' in message) {
       this.subscribe(message.channels);
     } else if (message.op === 'parameterValues' && 'parameters' in message) {
-      if (message.id) this.delay.answered(message.id);
+      if (message.id) this.hearDelay(message.id);
       this.takeParameters(message.parameters);
     } else if (message.op === 'status' && 'message' in message) {
       this.happen(message.level > 0 ? 'bad' : 'info', 'gateway', message.message);
@@ -159,13 +163,34 @@ export class Live {
   listen(): void {
     if (this.listening || !this.connected) return;
     this.listening = true;
-    const subscriptions = [...this.subscriptions.keys()].map((id) => ({id, channelId: id}));
-    this.connection.send({op: 'subscribe', subscriptions});
+    this.subscribeTo([...this.subscriptions.keys()]);
   }
 
   private askDelay(): void {
-    const id = this.listening ? this.delay.ask() : null;
-    if (id) this.connection.send({op: 'getParameters', parameterNames: ['recording'], id});
+    if (!this.listening) return;
+    const tooMuch = this.flooded === '' && this.delay.seconds > LATE;
+    if (tooMuch) this.connection.send({op: 'unsubscribe', subscriptionIds: this.floods()});
+    const id = this.delay.ask();
+    if (!id) return;
+    this.connection.send({op: 'getParameters', parameterNames: ['recording'], id});
+    if (tooMuch) this.flooded = id;
+  }
+
+  /** Who is flooded lets go, reads what has come, and listens again. */
+  private hearDelay(id: string): void {
+    this.delay.answered(id);
+    if (id !== this.flooded) return;
+    this.flooded = '';
+    this.delay.begin();
+    this.subscribeTo(this.floods());
+  }
+
+  private floods(): number[] {
+    return [...this.subscriptions].filter(([, {topic}]) => FLOODS.includes(topic)).map(([id]) => id);
+  }
+
+  private subscribeTo(channels: number[]): void {
+    this.connection.send({op: 'subscribe', subscriptions: channels.map((id) => ({id, channelId: id}))});
   }
 
   private takeParameters(parameters: Parameter[]): void {

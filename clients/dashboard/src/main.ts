@@ -164,7 +164,7 @@ function frame(now: number): void {
   }
   if (now - panelsAt < PANELS_EVERY) return;
   panelsAt = now;
-  document.body.classList.toggle('stale', (live.stale || live.late > 0) && live.everConnected);
+  document.body.classList.toggle('stale', live.stale && live.everConnected);
   for (const panel of [operate, push, margins, twin, events, disturb, daemons, rigPanel, head]) panel.draw();
 }
 requestAnimationFrame(frame);

@@ -30,38 +30,59 @@ describe('what happened', () => {
   });
 });
 
-describe('how long what comes has been on its way', () => {
+describe('how long what comes has waited', () => {
   beforeEach(() => { vi.useFakeTimers({toFake: ['performance']}); });
   afterEach(() => { vi.useRealTimers(); });
+  const after = (ms: number) => vi.advanceTimersByTime(ms);
 
-  it('is what the last answer took', () => {
+  /** One that has found out that the way takes 200 ms. */
+  function onItsWay(): Delay {
     const delay = new Delay();
     const first = delay.ask()!;
-    vi.advanceTimersByTime(300);
+    after(200);
     delay.answered(first);
+    return delay;
+  }
+
+  it('is what the last answer took, but for the way', () => {
+    const delay = onItsWay();
+    expect(delay.seconds).toBe(0);
+    const second = delay.ask()!;
+    after(500);
+    delay.answered(second);
     expect(delay.seconds).toBeCloseTo(0.3);
-    vi.advanceTimersByTime(5000);
+    after(5000);
     expect(delay.seconds).toBeCloseTo(0.3);
   });
   it('is at least for how long the oldest question has waited', () => {
-    const delay = new Delay();
+    const delay = onItsWay();
     const first = delay.ask()!;
-    vi.advanceTimersByTime(1000);
+    after(1200);
     const second = delay.ask()!;
-    vi.advanceTimersByTime(1000);
+    after(1000);
     expect(delay.seconds).toBeCloseTo(2);
     delay.answered(first);
     delay.answered(second);
-    expect(delay.seconds).toBeCloseTo(1);
+    expect(delay.seconds).toBeCloseTo(0.8);
   });
-  it('knows its own answers alone, and nothing of a connection that is gone', () => {
-    const delay = new Delay();
+  it('is told for some seconds where it was long', () => {
+    const delay = onItsWay();
     delay.ask();
-    vi.advanceTimersByTime(2000);
+    after(2200);
+    expect(delay.recent).toBeCloseTo(2);
+    delay.begin();
+    expect(delay.seconds).toBe(0);
+    after(4000);
+    expect(delay.recent).toBeCloseTo(2);
+    after(2000);
+    expect(delay.recent).toBe(0);
+  });
+  it('knows its own answers alone', () => {
+    const delay = onItsWay();
+    delay.ask();
+    after(2200);
     delay.answered('rig');
     expect(delay.seconds).toBeCloseTo(2);
-    delay.forget();
-    expect(delay.seconds).toBe(0);
   });
   it('asks no more where nothing is answered', () => {
     const delay = new Delay();

@@ -10,7 +10,7 @@ const byId = <T extends HTMLElement>(id: string): T => document.getElementById(i
 
 /** What is wrong with the data, in words; '': nothing. */
 export function staleWords(live: Live): string {
-  if (!live.stale) return live.late ? `What is shown is ${live.late.toFixed(0)} s old: this browser or its line is too slow.` : '';
+  if (!live.stale) return live.late ? `This browser or its line is too slow: what is shown comes up to ${live.late.toFixed(1)} s late, with gaps.` : '';
   if (!live.connected) {
     return live.everConnected ? 'The connection to the gateway is lost; trying again. What is shown is old.' : 'Connecting to the gateway…';
   }
@@ -47,7 +47,7 @@ export class Head {
     const link = byId('link');
     put(link, 'data-room', !live.connected ? 'gone' : stale || live.late ? 'close' : 'fine');
     const rate = live.rate >= 100 ? Math.round(live.rate / 10) * 10 : live.rate;
-    say(link, !live.connected ? '✕ offline' : stale ? '▲ connected, no data' : live.late ? `▲ ${live.late.toFixed(1)} s behind, ${rate}/s`
+    say(link, !live.connected ? '✕ offline' : stale ? '▲ connected, no data' : live.late ? `▲ up to ${live.late.toFixed(1)} s late`
       : `✓ live, ${rate}/s`);
     link.title = `${live.isOperator ? 'operator' : 'observer'} of ${live.prefix}; states a second that come here`;
   }

@@ -8,10 +8,13 @@ const MOST = 3000;       // a longer second is one in which the page was not see
 
 /** Less with every two seconds in a row in which frames come slowly. */
 export class Effort {
-  private level = 0;
+  private level: number;
   private since = 0;
   private frames = 0;
   private slow = 0;
+
+  /** @param slow known from the start */
+  constructor(slow: boolean) { this.level = slow ? LEVELS.length - 1 : 0; }
 
   get now(): Level { return LEVELS[this.level]!; }
 

@@ -18,6 +18,15 @@ const EYES = {corner: [0.72, -0.66, 0.4], behind: [-1, 0, 0.12], side: [0, -1, 0
 export type Eye = keyof typeof EYES;
 const SLOWED = 0.012;  // of the wheels' speed that is shown: more would flicker
 
+/** Whether a processor has to draw what else a graphics card does. */
+function drawnBySoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const told = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = String(gl?.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /SwiftShader|llvmpipe|softpipe|software|Basic Render/i.test(name);
+}
+
 export class Scene {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly scene = new THREE.Scene();
@@ -31,14 +40,16 @@ export class Scene {
   private extras: THREE.Object3D[] = [];
   private last = 0;
   private distance = 1;
-  private readonly effort = new Effort();
-  private drawn = 0;  // frames that were due
+  private readonly effort: Effort;
+  private drawn = 0;  // frames that were due, since the last change of size
   ghostShown = true;
 
   constructor(private readonly box: HTMLElement, private readonly live: Live) {
-    this.renderer = new THREE.WebGLRenderer({antialias: true, alpha: true});
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
-    this.renderer.shadowMap.enabled = true;
+    const slow = drawnBySoftware();
+    this.effort = new Effort(slow);
+    this.renderer = new THREE.WebGLRenderer({antialias: !slow, alpha: true});
+    this.renderer.setPixelRatio(Math.min(this.effort.now.pixelRatio, window.devicePixelRatio));
+    this.renderer.shadowMap.enabled = this.effort.now.shadows;
     this.renderer.shadowMap.type = THREE.PCFSoftShadowMap;
     this.renderer.toneMapping = THREE.ACESFilmicToneMapping;
     const canvas = this.renderer.domElement;
@@ -123,6 +134,7 @@ export class Scene {
     const {clientWidth: width, clientHeight: height} = this.box;
     if (width === 0 || height === 0) return;
     this.renderer.setSize(width, height);
+    this.drawn = 0;  // nothing is left of what was drawn
     this.camera.aspect = width / height;
     // A narrow window sees as much of the width.
     this.camera.fov = width < height ? 44 : 32;
