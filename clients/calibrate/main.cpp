@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <thread>
 
@@ -105,10 +106,10 @@ Circumstances circumstances_of(const Options& options) {
       .added = {},
       .from_s = options.from_s,
       .to_s = options.to_s};
-  if (options.added.size() > c.added.size()) {
-    throw Error(fmt::format("--added-mass: {} at most", c.added.size()));
+  if (options.added.size() > model::kMaxAddedMasses) {
+    throw Error(fmt::format("--added-mass: {} at most", model::kMaxAddedMasses));
   }
-  std::ranges::transform(options.added, c.added.begin(), added_mass);
+  std::ranges::transform(options.added, std::back_inserter(c.added), added_mass);
   return c;
 }
 

@@ -235,10 +235,9 @@ class Cutter {
         std::copy_n(next->drive_current_a, model::kMaxDrives, moment.current.emplace().begin());
       }
     }
-    std::size_t place = 0;
+    auto& added = moment.input.added;
     for (const model::PointMass& mass : circumstances_.added) {
-      while (place < moment.input.added.size() && moment.input.added[place].mass != 0.0) ++place;
-      if (mass.mass != 0.0 && place < moment.input.added.size()) moment.input.added[place] = mass;
+      if (added.size < model::kMaxAddedMasses) added.add(mass);
     }
     return moment;
   }

@@ -44,8 +44,8 @@ struct Stretch {
 /// What is known besides what the logs say.
 struct Circumstances {
   DriveSource drive = DriveSource::kCommand;
-  std::array<model::PointMass, model::kMaxAddedMasses> added{};  ///< bolted to the structure
-  double from_s = 0.0, to_s = 1e12;                              ///< of each run's own time
+  std::vector<model::PointMass> added{};  ///< bolted to the structure
+  double from_s = 0.0, to_s = 1e12;       ///< of each run's own time
 };
 
 /// Everything of a log that a model can be held against: RUNNING, and SAFE_STOP where its drives'

@@ -216,7 +216,7 @@ bool check_mass(const request_t& r, const model::Machine& machine, reply_t& repl
     return false;
   }
   model::Input probe;
-  probe.added[0] = {total_mass(machine), Eigen::Map<const Vector3d>(r.position_m)};
+  probe.added.add({total_mass(machine), Eigen::Map<const Vector3d>(r.position_m)});
   return felt(machine, probe) ||
          refuse(reply, "a mass there moves with nothing; put it off the pivot");
 }

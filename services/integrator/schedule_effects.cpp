@@ -81,12 +81,11 @@ void Schedule::disturb(Entry& entry, std::int64_t tick, model::Input& input) con
     case request_t::DECELERATION:
       input.ground_acceleration.x() -= rise * r.deceleration_m_s2;
       break;
-    case request_t::ADDED_MASS: {
-      auto* free = std::find_if(input.added.begin(), input.added.end(),
-                                [](const model::PointMass& added) { return added.mass == 0.0; });
-      if (free != input.added.end()) *free = {r.mass_kg, vector(r.position_m)};
+    case request_t::ADDED_MASS:
+      if (input.added.size < model::kMaxAddedMasses) {
+        input.added.add({r.mass_kg, vector(r.position_m)});
+      }
       break;
-    }
   }
 }
 

@@ -24,9 +24,7 @@ void evaluate(const Machine& machine, const StateOf<S>& state, const Input& inpu
               const RotorSpeeds& rotor_rate, MotionOf<S>& motion) noexcept {
   machine.tree.evaluate(state.q, state.v, {state.rotor_speed, rotor_rate},
                         support_of(machine, input), motion);
-  for (const PointMass& added : input.added) {
-    if (added.mass != 0.0) add_mass(machine, added, motion);
-  }
+  for (const PointMass& added : input.added) add_mass(machine, added, motion);
 }
 
 template <class S>

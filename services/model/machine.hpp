@@ -57,7 +57,7 @@ struct Input {
   /// Of the support; world axes, which turn with it [m/s^2].
   Eigen::Vector3d ground_acceleration = Eigen::Vector3d::Zero();
   double yaw_rate = 0.0;  ///< of the support and the world axes about z, steady [rad/s]
-  std::array<PointMass, kMaxAddedMasses> added{};
+  ShortList<PointMass, kMaxAddedMasses> added{};
 
   std::array<double, kMaxDrives> drive_strength{1, 1, 1, 1};  ///< share of the torque that arrives
   std::array<bool, kMaxGyros> rotor_powered{true, true, true, true};

@@ -115,7 +115,7 @@ TEST(GroundMotion, FreeFallIsWeightless) {
   for (Machine machine : every_machine(random)) {
     const State state = random.state(machine, 0.5, 2.0);
     Input input;
-    input.added[0] = {1.0, {0.1, 0.2, 0.3}};
+    input.added.add({1.0, {0.1, 0.2, 0.3}});
     Machine weightless = machine;
     weightless.gravity = 0.0;
     const Coordinates expected = weightless.acceleration(state, input);
@@ -252,7 +252,7 @@ TEST(GroundMotion, InertialReadingIsThePathThroughSpace) {
       Input input;
       input.ground_acceleration = random.vector(3.0);
       input.yaw_rate = random.between(-2, 2);
-      input.added[0] = {random.between(0, 2), random.vector(0.3)};
+      input.added.add({random.between(0, 2), random.vector(0.3)});
       const Coordinates a = machine.acceleration(state, input);
 
       // Orientation in space a time t later, to second order in t.

@@ -119,7 +119,9 @@ class Random {
     input.moment = vector(5.0);
     input.ground_acceleration = vector(3.0);
     input.yaw_rate = between(-1, 1);
-    for (model::PointMass& added : input.added) added = {between(0.1, 1), vector(0.3)};
+    for (int i = 0; i < model::kMaxAddedMasses; ++i) {
+      input.added.add({between(0.1, 1), vector(0.3)});
+    }
     for (double& strength : input.drive_strength) strength = between(0, 1);
     for (bool& powered : input.rotor_powered) powered = between(0, 1) < 0.5;
     for (double& brake : input.rotor_brake) brake = between(0, 1);

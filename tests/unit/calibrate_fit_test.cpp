@@ -59,7 +59,7 @@ Outcome calibrate(const std::vector<RunToRecord>& runs, const Search& search) {
     const std::filesystem::path log = folder / ("run" + std::to_string(i) + ".lcm");
     record_run(log, runs[i]);
     Circumstances circumstances;
-    if (i < search.counterweights.size()) circumstances.added[0] = search.counterweights[i];
+    if (i < search.counterweights.size()) circumstances.added = {search.counterweights[i]};
     for (Stretch& s : read_runs(log, rig, machine, circumstances)) stretches.push_back(s);
   }
   Cuts cuts;
@@ -219,7 +219,7 @@ RunToRecord swing(const model::PointMass& weight, double seconds) {
           .seconds = seconds,
           .law = false,
           .mode = status_t::MODE_SAFE_STOP,
-          .load = [weight](model::Input& input) { input.added[0] = weight; },
+          .load = [weight](model::Input& input) { input.added.add(weight); },
           .spin_down = true};
 }
 const model::PointMass kLight{8.0, {0.0, 0.0, -0.4}}, kHeavy{14.0, {0.0, 0.0, -0.4}};
