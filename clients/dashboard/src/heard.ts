@@ -40,68 +40,81 @@ export class Happenings {
   private static what(text: string): string { return text.replace(Happenings.amount, '#'); }
 }
 
+/** The greatest of the last seconds, between once and twice as many as its span. */
+export class Greatest {
+  private best = -Infinity;
+  private before = -Infinity;
+  private since = 0;
+
+  /** @param span [s] */
+  constructor(private readonly span: number) {}
+
+  hear(value: number): void {
+    const here = performance.now() * 1e-3;
+    if (here - this.since > this.span) {
+      this.before = this.best;
+      this.best = -Infinity;
+      this.since = here;
+    }
+    this.best = Math.max(this.best, value);
+  }
+  /** null: none was heard. */
+  get value(): number | null {
+    const best = Math.max(this.best, this.before);
+    return best === -Infinity ? null : best;
+  }
+}
+
 /** How long what comes has waited, at the gateway and here: a question's answer queues behind all of it. */
 export class Delay {
-  private static readonly most = 100;    // questions on their way
-  private static readonly held = 5000;   // for which the longest is told [ms]
-  private readonly asked = new Map<string, number>();  // when [ms]
+  private asked = new Map<string, number>();  // when [s]
   private count = 0;
-  private last = 0;         // that an answer took [ms]
-  private least = Infinity;  // likewise: the way alone
-  private longest = {ms: 0, at: 0};
+  private last = 0;                           // that an answer took [s]
+  private least = new Greatest(10);           // likewise, less than 0: the way alone
+  private longest = new Greatest(3);          // that was waited [s]
 
-  /** @returns by what to know the answer; null: enough are on their way */
-  ask(): string | null {
-    if (this.asked.size >= Delay.most) return null;
+  /** @returns by what to know the answer */
+  ask(): string {
+    this.longest.hear(this.waited);
     const id = `delay ${++this.count}`;
-    this.asked.set(id, performance.now());
+    this.asked.set(id, performance.now() * 1e-3);
     return id;
   }
   answered(id: string): void {
     const at = this.asked.get(id);
     if (at === undefined) return;
     this.asked.delete(id);
-    this.last = performance.now() - at;
-    this.least = Math.min(this.least, this.last);
+    this.last = performance.now() * 1e-3 - at;
+    this.least.hear(-this.last);
   }
+  /** Answers that have not come. */
+  get open(): number { return this.asked.size; }
   /** What was asked before is about what waits no more. */
   begin(): void {
-    this.asked.clear();
+    this.asked = new Map();
     this.last = 0;
   }
+  /** A new way. */
+  forget(): void {
+    this.begin();
+    this.least = new Greatest(10);
+    this.longest = new Greatest(3);
+  }
   /** By the last answer, or by one that has not come yet if that is longer [s]. */
-  get seconds(): number {
-    const [oldest] = this.asked.values(), now = performance.now();
-    const took = Math.max(this.last, oldest === undefined ? 0 : now - oldest);
-    const ms = Math.max(0, took - (Number.isFinite(this.least) ? this.least : 0));
-    if (ms >= this.longest.ms || now - this.longest.at > Delay.held) this.longest = {ms, at: now};
-    return 1e-3 * ms;
+  get waited(): number {
+    const [oldest] = this.asked.values();
+    const took = Math.max(this.last, oldest === undefined ? 0 : performance.now() * 1e-3 - oldest);
+    return Math.max(0, took + (this.least.value ?? 0));
   }
   /** The longest of the last seconds [s]. */
-  get recent(): number {
-    return Math.max(this.seconds, 1e-3 * this.longest.ms);
-  }
+  get recent(): number { return Math.max(this.waited, this.longest.value ?? 0); }
 }
 
-/** From the page's clock to the gateway's [s]: the least delayed message of the last 10 to 20 s tells it best. */
+/** From the page's clock to the gateway's [s]: the least delayed message tells it best. */
 export class ClockDifference {
-  private static readonly window = 10;  // [s]
-  private best = -Infinity;
-  private before = -Infinity;
-  private since = 0;
+  private readonly best = new Greatest(10);
 
-  get offset(): number {
-    const best = Math.max(this.best, this.before);
-    return best === -Infinity ? 0 : best;
-  }
+  get offset(): number { return this.best.value ?? 0; }
   /** @param at when a message came to the gateway, its clock [s] */
-  hear(at: number): void {
-    const here = performance.now() * 1e-3;
-    if (here - this.since > ClockDifference.window) {
-      this.before = this.best;
-      this.best = -Infinity;
-      this.since = here;
-    }
-    this.best = Math.max(this.best, at - here);
-  }
+  hear(at: number): void { this.best.hear(at - performance.now() * 1e-3); }
 }

@@ -19,8 +19,11 @@ export const KEPT = 60;  // [s]
 const FASTEST = 1100;    // messages a second that a ring has room for
 const PATIENCE = 5000;   // for the owner's answer, which the gateway asks for during 2 s [ms]
 export const STALE = 1;  // [s]
-const ASK_EVERY = 250;   // how late the page is [ms]
-const LATE = 0.4;        // from which on it lets go of floods [s]
+const ASK_EVERY = 250;   // how long what comes has waited [ms]
+const LET_GO = 0.4;      // of floods that have waited so long [s]
+const MOST_OPEN = 20;    // questions
+const REMEMBERED = 10000;  // for which a gap is told [ms]
+const RATED = 3;         // over which STATE is counted [s]
 const FLOODS: readonly Topic[] = ['LIVE/STATE', 'SIM/TRUTH', 'TWIN/STATE'];  // a thousand a second
 
 type Owner = 'INTEGRATOR/STATUS' | 'HARDWARE/STATUS';
@@ -60,7 +63,8 @@ export class Live {
   private answered = '';  // the last request that was
   private readonly clock = new ClockDifference();
   private readonly delay = new Delay();
-  private flooded = '';  // the answer that comes after all that this page was too slow for
+  private letGoAt = -Infinity;  // [ms]
+  private caughtUp = '';  // the answer that comes after all that this page was too slow for
   private listening = false;
   private said = {health: '', falls: false, epoch: -1n, sequence: -1n};
   private readonly lostBefore = new Map<Topic, number>();  // STATE, when a STATUS came last
@@ -79,8 +83,10 @@ export class Live {
   now(): number { return performance.now() * 1e-3 + this.clock.offset; }
   /** By the page's own clock [s]. */
   age(heard: Heard<unknown> | null | undefined): number { return heard ? 1e-3 * (performance.now() - heard.here) : Infinity; }
-  /** STATE of the last second that is known. */
-  get rate(): number { return this.state ? this.states.size - this.states.before(this.state.at - 1) : 0; }
+  /** STATE a second that came lately; 0: they are old. */
+  get rate(): number {
+    return this.state && !this.stale ? (this.states.size - this.states.before(this.state.at - RATED)) / RATED : 0;
+  }
   get isOperator(): boolean { return this.role === 'operator'; }
 
   /** STATUS of whoever owns the plant, the last that spoke. */
@@ -91,8 +97,13 @@ export class Live {
   get isReal(): boolean { return this.owner !== null && this.owner === this.status.get('HARDWARE/STATUS'); }
   get mode(): number | null { return this.owner ? this.owner.value.mode : null; }
   get stale(): boolean { return !this.connected || this.age(this.state) > STALE; }
-  /** By how much what is shown is behind, at most [s]; 0: it is not. */
-  get late(): number { return this.delay.recent > STALE ? this.delay.recent : 0; }
+  /** By how much what is shown was behind lately, at most [s]; 0: it was not. */
+  get late(): number {
+    const {recent} = this.delay;
+    return recent > STALE ? recent : 0;
+  }
+  /** Whether this page was too slow lately and let go of something. */
+  get gaps(): boolean { return performance.now() - this.letGoAt < REMEMBERED; }
 
   happen(tone: Tone, who: string, text: string): void { this.happenings.add(tone, who, text); }
 
@@ -120,8 +131,8 @@ export class Live {
   private closed(): void {
     if (this.connected) this.happen('bad', 'gateway', 'the connection is lost');
     this.connected = this.listening = false;
-    this.flooded = '';
-    this.delay.begin();
+    this.caughtUp = '';
+    this.delay.forget();
     this.subscriptions = new Map();
     this.said.sequence = -1n;
   }
@@ -167,21 +178,23 @@ export class Live {
   }
 
   private askDelay(): void {
-    if (!this.listening) return;
-    const tooMuch = this.flooded === '' && this.delay.seconds > LATE;
+    if (!this.listening || this.delay.open >= MOST_OPEN) return;
+    const tooMuch = this.caughtUp === '' && this.delay.waited > LET_GO;
     if (tooMuch) this.connection.send({op: 'unsubscribe', subscriptionIds: this.floods()});
     const id = this.delay.ask();
-    if (!id) return;
     this.connection.send({op: 'getParameters', parameterNames: ['recording'], id});
-    if (tooMuch) this.flooded = id;
+    if (!tooMuch) return;
+    this.caughtUp = id;
+    this.letGoAt = performance.now();
   }
 
   /** Who is flooded lets go, reads what has come, and listens again. */
   private hearDelay(id: string): void {
     this.delay.answered(id);
-    if (id !== this.flooded) return;
-    this.flooded = '';
+    if (id !== this.caughtUp) return;
+    this.caughtUp = '';
     this.delay.begin();
+    this.said.sequence = -1n;  // what was let go of is not lost
     this.subscribeTo(this.floods());
   }
 

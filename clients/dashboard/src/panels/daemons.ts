@@ -58,7 +58,7 @@ export class Daemons {
   }
 
   draw(): void {
-    const {rate, lost} = this.live;
+    const {lost} = this.live, rate = Math.round(this.live.rate);
     say(this.here, `this page: ${rate} states a second, ${lost} never came here${lost > 0 ? ' (a slow page or line)' : ''}`);
     for (const topic of DAEMONS) {
       const heard = this.live.status.get(topic);

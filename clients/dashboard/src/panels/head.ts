@@ -8,9 +8,11 @@ import {forecastOf, outlook} from './twin';
 
 const byId = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
-/** What is wrong with the data, in words; '': nothing. */
-export function staleWords(live: Live): string {
-  if (!live.stale) return live.late ? `This browser or its line is too slow: what is shown comes up to ${live.late.toFixed(1)} s late, with gaps.` : '';
+const LATE = 3;  // from which on it must not be overlooked [s]
+
+/** What is wrong with the data, old or late, in words; '': nothing. */
+export function troubleWords(live: Live): string {
+  if (!live.stale) return live.late > LATE ? `This browser or its line is too slow: what is shown comes ${live.late.toFixed(0)} s late, with gaps.` : '';
   if (!live.connected) {
     return live.everConnected ? 'The connection to the gateway is lost; trying again. What is shown is old.' : 'Connecting to the gateway…';
   }
@@ -27,7 +29,7 @@ export class Head {
   draw(): void {
     this.drawMode();
     this.drawReadout();
-    const words = staleWords(this.live), banner = byId('banner');
+    const words = troubleWords(this.live), banner = byId('banner');
     // Nobody needs to be warned of the first half second.
     const shown = words !== '' && performance.now() - this.born > 1500;
     banner.hidden = !shown;
@@ -45,11 +47,11 @@ export class Head {
     plant.hidden = !owner;
     say(plant, live.isReal ? 'real rig' : 'simulated');
     const link = byId('link');
-    put(link, 'data-room', !live.connected ? 'gone' : stale || live.late ? 'close' : 'fine');
-    const rate = live.rate >= 100 ? Math.round(live.rate / 10) * 10 : live.rate;
-    say(link, !live.connected ? '✕ offline' : stale ? '▲ connected, no data' : live.late ? `▲ up to ${live.late.toFixed(1)} s late`
-      : `✓ live, ${rate}/s`);
-    link.title = `${live.isOperator ? 'operator' : 'observer'} of ${live.prefix}; states a second that come here`;
+    put(link, 'data-room', !live.connected ? 'gone' : stale || live.late || live.gaps ? 'close' : 'fine');
+    const rate = live.rate >= 100 ? Math.round(live.rate / 10) * 10 : Math.round(live.rate);
+    say(link, !live.connected ? '✕ offline' : stale ? '▲ connected, no data' : live.late ? `▲ ${live.late.toFixed(1)} s late, with gaps`
+      : live.gaps ? `▲ live with gaps, ${rate}/s` : `✓ live, ${rate}/s`);
+    link.title = `${live.isOperator ? 'operator' : 'observer'} of ${live.prefix}; states a second that come here; with gaps where this browser or its line is too slow`;
   }
 
   private drawReadout(): void {
