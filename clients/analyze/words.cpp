@@ -14,19 +14,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kColumns = 100;
+constexpr std::size_t kColumns = 100, kMeaningAt = 63;
 
 std::string heading(const std::string& text) { return "\n" + text + "\n"; }
-
-/// Its first line indented by so much, the others so much more.
-std::string paragraph(std::size_t indent, const std::string& text, std::size_t more = 0) {
-  std::string lines, blanks(indent, ' ');
-  for (const std::string& line : wrap(text, kColumns - indent - more)) {
-    lines += blanks + line + '\n';
-    blanks.resize(indent + more, ' ');
-  }
-  return lines;
-}
 
 std::string mark(const Condition& condition) {
   return condition.holds ? "ok" : condition.decides() ? "FAILS" : "fails";
@@ -37,13 +27,13 @@ std::string factor(double margin) {
 }
 
 std::string told(const Case& seen) {
-  std::string text = paragraph(2, seen.name) + paragraph(4, seen.sentence, 2);
-  if (seen.pushed) text += paragraph(4, "with its reference push " + push_words(seen), 2);
-  if (!seen.linear) return text + paragraph(4, "no steady motion to linearise about");
+  std::string text = paragraph(seen.name, kColumns, 2) + paragraph(seen.sentence, kColumns, 4, 2);
+  if (seen.pushed) text += paragraph("with its reference push " + push_words(seen), kColumns, 4, 2);
+  if (!seen.linear) return text + paragraph("no steady motion to linearise about", kColumns, 4);
   const Modes& modes = seen.linear->modes;
-  text += paragraph(4, "eigenvalues [1/s]: " + listed_rates(modes.eigenvalues), 2);
+  text += paragraph("eigenvalues [1/s]: " + listed_rates(modes.eigenvalues), kColumns, 4, 2);
   for (const std::string& caution : cautions(*seen.linear)) {
-    text += paragraph(4, '(' + caution + ')', 1);
+    text += paragraph('(' + caution + ')', kColumns, 4, 1);
   }
   return text;
 }
@@ -56,7 +46,7 @@ std::string conditions_text(const Theory& theory) {
     text += c.compares() ? fmt::format("{:>12.4g} {} {:<12.4g}{:<12}{}\n", c.value, c.relation,
                                        c.required, c.unit, factor(c.margin))
                          : fmt::format("{:>12}\n", c.holds ? "yes" : "no");
-    text += paragraph(8, c.meaning);
+    text += paragraph(c.meaning, kColumns, 8);
   }
   return text;
 }
@@ -64,7 +54,9 @@ std::string conditions_text(const Theory& theory) {
 std::string numbers_text(const Theory& theory) {
   std::string text = heading("Derived numbers");
   for (const DerivedNumber& n : theory.numbers) {
-    text += fmt::format("  {:<36}{:>12.5g} {:<12}{}\n", n.symbol, n.value, n.unit, n.meaning);
+    std::string row = paragraph(n.meaning, kColumns, kMeaningAt);
+    text += row.replace(0, kMeaningAt,
+                        fmt::format("  {:<36}{:>12.5g} {:<12}", n.symbol, n.value, n.unit));
   }
   return text;
 }
@@ -73,8 +65,8 @@ std::string criteria_text(const Theory& theory) {
   std::string text;
   if (!theory.criteria.empty()) text += heading("Characteristic polynomials of the reduced model");
   for (const Criterion& c : theory.criteria) {
-    text += paragraph(2, c.name + ": " + c.formula, 2);
-    text += paragraph(4, "= " + text_of(c.polynomial), 2) + "    Routh's first column:";
+    text += paragraph(c.name + ": " + c.formula, kColumns, 2, 2);
+    text += paragraph("= " + text_of(c.polynomial), kColumns, 4, 2) + "    Routh's first column:";
     for (const auto& row : c.scheme.rows) text += fmt::format(" {:.4g}", row[0]);
     text += c.scheme.stable()        ? ": stable\n"
             : c.scheme.unstable == 0 ? ": roots on the imaginary axis\n"
@@ -88,7 +80,7 @@ std::string comparisons_text(const std::vector<Comparison>& comparisons) {
   std::string text;
   if (!comparisons.empty()) text += heading("Closed forms beside integration");
   for (const Comparison& c : comparisons) {
-    text += paragraph(2, c.meaning, 2) +
+    text += paragraph(c.meaning, kColumns, 2, 2) +
             fmt::format("      {:>11.5g} and {:>11.5g} {:<6} off by {:.1e}\n", c.formula,
                         c.integrated, c.unit, c.deviation);
   }
@@ -98,9 +90,9 @@ std::string comparisons_text(const std::vector<Comparison>& comparisons) {
 std::string limits_text(const Analysis& analysis) {
   if (analysis.limits.empty()) return "";
   std::string text = heading("Limits, by bisection on the full model");
-  text += paragraph(2, '(' + limits_rule(analysis) + ')', 1);
+  text += paragraph('(' + limits_rule(analysis) + ')', kColumns, 2, 1);
   for (const Limit& limit : analysis.limits) {
-    text += fmt::format("  {:<60} stands {:<14} {:<36} tilt up to {:.3g} deg\n", limit.meaning,
+    text += fmt::format("  {}\n      stands {:<14} {:<36} tilt up to {:.3g} deg\n", limit.meaning,
                         with_unit(limit.bracket.stands, limit.unit) + ",", limit_words(limit) + ",",
                         degrees(limit.bracket.largest_tilt));
   }
@@ -277,9 +269,9 @@ std::string listed_rates(const Eigen::VectorXcd& eigenvalues) {
 
 std::string text_of(const Rig& rig, const Analysis& analysis) {
   const Case& filed = analysis.as_filed();
-  std::string text = paragraph(0, rig.name + ": " + filed.sentence, 2);
-  text += paragraph(2, "why: " + analysis.reason, 5);
-  if (!analysis.caution.empty()) text += paragraph(2, "but: " + analysis.caution, 5);
+  std::string text = paragraph(rig.name + ": " + filed.sentence, kColumns, 0, 2);
+  text += paragraph("why: " + analysis.reason, kColumns, 2, 5);
+  if (!analysis.caution.empty()) text += paragraph("but: " + analysis.caution, kColumns, 2, 5);
   text += heading("Simulated, and linearised about the steady motion");
   for (const Case& seen : analysis.cases) text += told(seen);
   return text + conditions_text(analysis.theory) + limits_text(analysis) +

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "clients/common/run_name.hpp"
 #include "clients/log/log.hpp"
 #include "services/integrator/schedule.hpp"
 #include "services/onboard/safe_stop.hpp"
@@ -101,10 +102,9 @@ class Follower {
     const std::int64_t from = now().tick;
     if (header.tick - from > leap_) {
       throw Error(
-          fmt::format("{}: tick {} comes right after tick {} of run {:016x}: a leap of more than "
+          fmt::format("{}: tick {} comes right after tick {} of run {}: a leap of more than "
                       "{:g} s is damage, or a record with a hole; record it again",
-                      file_, header.tick, from, static_cast<std::uint64_t>(header.epoch) >> 32,
-                      kLongestLeap_s));
+                      file_, header.tick, from, run_name(header.epoch), kLongestLeap_s));
     }
     while (now().tick < header.tick) {
       Tick& past = now();
@@ -237,7 +237,13 @@ class Cutter {
     }
     auto& added = moment.input.added;
     for (const model::PointMass& mass : circumstances_.added) {
-      if (added.size < model::kMaxAddedMasses) added.add(mass);
+      if (added.size == model::kMaxAddedMasses) {
+        throw Error(
+            fmt::format("tick {} of run {}: more than {} masses are on the structure, "
+                        "those of --added-mass included",
+                        tick.tick, run_name(run.epoch), model::kMaxAddedMasses));
+      }
+      added.add(mass);
     }
     return moment;
   }

@@ -24,4 +24,15 @@ inline std::vector<std::string> wrap(const std::string& text, std::size_t column
   return parts;
 }
 
+/// The text in such lines, the first indented, the others by `hanging` more.
+inline std::string paragraph(const std::string& text, std::size_t columns, std::size_t indent,
+                             std::size_t hanging = 0) {
+  std::string lines, blanks(indent, ' ');
+  for (const std::string& line : wrap(text, columns - indent - hanging)) {
+    lines += blanks + line + '\n';
+    blanks.resize(indent + hanging, ' ');
+  }
+  return lines;
+}
+
 }  // namespace gyrotwin

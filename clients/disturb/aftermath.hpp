@@ -27,8 +27,8 @@ class Aftermath {
   }
   std::int64_t tick() const noexcept { return tick_; }
 
-  /// "peak 2.912 deg after 0.08 s, 0.050 deg after 3 s", or "FALLEN after 0.8 s"; says so when
-  /// STATE tells no tilt.
+  /// "peak 2.912 deg after 0.08 s, 0.050 deg after 3 s", or "FALLEN after 0.8 s" and
+  /// how to go on; says so when STATE tells no tilt.
   std::string text() const;
 
  private:

@@ -66,6 +66,10 @@ std::string front_manual(std::string_view version) { return manual(*described(),
 std::string front_words() { return completion_words(*described()); }
 
 std::string unknown_verb(std::string_view verb) {
+  if (verb.starts_with('-')) {
+    return fmt::format("`{}` comes before the verb; options follow it: `gyrotwin VERB {} ...`",
+                       verb, verb);
+  }
   std::array<std::string_view, kDaemons.size() + kClients.size()> names;
   const auto clients = std::ranges::transform(kDaemons, names.begin(), &Program::name).out;
   std::ranges::transform(kClients, clients, &Program::name);

@@ -4,6 +4,7 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
+#include "clients/common/run_name.hpp"
 #include "clients/log/log_info.hpp"
 
 namespace gyrotwin {
@@ -40,9 +41,10 @@ std::string channel_lines(const LogInfo& info) {
 }
 
 std::string run_lines(const RunInfo& run) {
-  std::string text = fmt::format("\nrun {:016x}: {:.3f} to {:.3f} s, ticks {} to {}, {}\n",
-                                 run.epoch, run.first_s, run.last_s, run.first_tick, run.last_tick,
-                                 run.modes.empty() ? "no mode seen" : list(run.modes));
+  std::string text =
+      fmt::format("\nrun {}: {:.3f} to {:.3f} s, ticks {} to {}, {}\n", run_name(run.epoch),
+                  run.first_s, run.last_s, run.first_tick, run.last_tick,
+                  run.modes.empty() ? "no mode seen" : list(run.modes));
   for (const RequestInfo& request : run.requests) {
     text += fmt::format("{:>12.3f} s  {}: {}", request.seconds, request.verb, request.result);
     if (request.result == "APPLIED") text += fmt::format(" at tick {}", request.tick);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "clients/common/shell_word.hpp"
+#include "clients/common/time_text.hpp"
 #include "clients/netcheck/quantity.hpp"
 #include "services/runtime/text.hpp"
 

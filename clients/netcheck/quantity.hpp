@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <string>
 
-#include "clients/common/time_text.hpp"
-
 namespace gyrotwin::netcheck {
 
 /// "0", "503 (5.03 %)".

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "clients/common/time_text.hpp"
 #include "clients/common/wrap.hpp"
 #include "clients/netcheck/quantity.hpp"
 #include "services/runtime/text.hpp"
@@ -84,14 +85,6 @@ std::string spread_rows(const Figures& f) {
          spread_row("tick to answer", f.response);
 }
 
-std::string paragraph(const std::string& text, std::size_t indent) {
-  std::string lines;
-  for (const std::string& part : wrap(text, kColumns - indent)) {
-    lines += std::string(indent, ' ') + part + "\n";
-  }
-  return lines;
-}
-
 std::string rate_text(double hz) { return fmt::format("{:g} Hz", hz); }
 
 std::string verdict_rows(const Netcheck& check, const CheckedLine& line) {
@@ -109,13 +102,13 @@ std::string verdict_rows(const Netcheck& check, const CheckedLine& line) {
   }
   text += "\n";
   if (!v.rig.good()) {
-    text += paragraph(limit_text(v.rig, timeout), 2);
+    text += paragraph(limit_text(v.rig, timeout), kColumns, 2);
   } else if (const Fit* limited = v.limited()) {
-    text += paragraph("limit: " + limit_text(*limited, timeout), 2);
+    text += paragraph("limit: " + limit_text(*limited, timeout), kColumns, 2);
   }
   text += paragraph(fmt::format("newest command at worst {} ticks old at {}; {} is a SAFE_STOP",
                                 v.rig.age_ticks, rig, timeout),
-                    2);
+                    kColumns, 2);
   return text;
 }
 
@@ -139,7 +132,7 @@ std::string advice_text(const Netcheck& check) {
   std::string text = "\nTo fix:\n";
   int number = 0;
   for (const Advice& a : list) {
-    std::string entry = paragraph(a.text, 4);
+    std::string entry = paragraph(a.text, kColumns, 4);
     entry.replace(0, 4, fmt::format("{:2}. ", ++number));
     text += entry;
     for (const std::string& command : a.commands) text += "      " + command + "\n";

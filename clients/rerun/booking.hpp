@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "clients/common/run_name.hpp"
 #include "clients/rerun/comparison.hpp"
 #include "clients/rerun/rerun.hpp"
 
@@ -58,7 +59,7 @@ class Booking {
       say(
           fmt::format("the record begins in mid-run {}, and what was remembered then is not in it: "
                       "record from before the rig is armed",
-                      short_form(epoch)));
+                      run_name(epoch)));
     }
   }
   void heard() { ++account_.heard; }
@@ -120,9 +121,6 @@ class Booking {
   static bool is_repeat(const Message& message) {
     return message.header.sequence == 0;
   }
-  static std::string short_form(std::int64_t epoch) {
-    return fmt::format("{:08x}", static_cast<std::uint64_t>(epoch) >> 32);
-  }
 
   bool known(std::int64_t epoch) const { return epoch != run_ || known_; }
   void say(std::string why) {
@@ -140,7 +138,7 @@ class Booking {
       say(
           fmt::format("an answer to sequence {} of run {} is not in the record, so what was "
                       "remembered from then on is not known",
-                      *unanswered_.begin(), short_form(epoch)));
+                      *unanswered_.begin(), run_name(epoch)));
     }
     unanswered_.erase(unanswered_.begin(), unanswered_.upper_bound(sequence));
     if (sequence > newest_) early_.insert(sequence);

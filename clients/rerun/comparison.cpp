@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "clients/common/run_name.hpp"
 #include "services/schema/lcm_text.hpp"
 
 namespace gyrotwin {
@@ -80,9 +81,8 @@ void Comparison::compare(const Key& key, const Payload& recorded, const Payload&
   const auto was = fields(type, recorded), is = fields(type, made);
   std::size_t i = 0;
   while (i + 1 < was.size() && was[i] == is[i]) ++i;
-  first_difference_ =
-      fmt::format("{}, sequence {} of run {:016x}: recorded {}, now {}", spec(channel).suffix,
-                  sequence, static_cast<std::uint64_t>(epoch) >> 32, was[i], is[i]);
+  first_difference_ = fmt::format("{}, sequence {} of run {}: recorded {}, now {}",
+                                  spec(channel).suffix, sequence, run_name(epoch), was[i], is[i]);
 }
 
 }  // namespace gyrotwin

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string>
 
+#include "clients/common/run_name.hpp"
 #include "clients/common/status_words.hpp"
 #include "clients/common/tilt.hpp"
 #include "clients/top/blocks.hpp"
@@ -96,7 +97,7 @@ Line clock_line(const View& view) {
   if (view.picture.speed && ticks(static_cast<Mode>(status.mode))) {
     line.put(fmt::format(" (measured {:.2f})", *view.picture.speed), tone);
   }
-  return line.put(fmt::format("   run {:.8}", fmt::format("{:016x}", latest.epoch)), Tone::kFaint);
+  return line.put("   run " + run_name(latest.epoch), Tone::kFaint);
 }
 
 /// "tilt 38.9 deg fine".

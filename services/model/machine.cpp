@@ -137,12 +137,11 @@ Coordinates Machine::acceleration(const State& state, const Input& input,
 RotorSpeeds Machine::rotor_acceleration(const State& state, const Input& input) const noexcept {
   RotorSpeeds rate{};
   if (!rotor_drive) return rate;
-  const double regulation = 1.0 / rotor_drive->time_constant;
   for (int j = 0; j < rotors; ++j) {
     const double Ia = tree.rotor_inertia(j);
     const double n = state.rotor_speed[j];
     const double drag = rotor_drive->drag(n);
-    const double wanted = Ia * (nominal_rotor_speed[j] - n) * regulation + drag;
+    const double wanted = Ia * (nominal_rotor_speed[j] - n) / rotor_drive->time_constant + drag;
     const double torque = input.rotor_powered[j] ? rotor_drive->torque(wanted, n) : 0.0;
     const double brake = input.rotor_brake[j] * RotorDrive::sense(n);
     rate[j] = (torque - drag - brake) / Ia;

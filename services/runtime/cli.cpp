@@ -45,14 +45,16 @@ std::string meant_by(const CLI::App& app, const std::string& word) {
   return std::string(nearest(name, std::vector<std::string_view>(names.begin(), names.end())));
 }
 
-/// The words that found no place, in the order in which they were given.
-std::string unexpected(const CLI::App& app) {
+/// What is wrong, and what the first misspelt word was likely meant to be. CLI11 has words that
+/// found no place in reverse order.
+std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   std::string list, meant;
   for (const std::string& word : app.remaining(true)) {
     list += (list.empty() ? "`" : ", `") + word + '`';
     if (meant.empty()) meant = meant_by(app, word);
   }
-  return "not expected: " + list + did_you_mean(meant);
+  const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
+  return (extra ? "not expected: " + list : error.what()) + did_you_mean(meant);
 }
 
 }  // namespace
@@ -133,9 +135,8 @@ int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>
   } catch (const CLI::Success& answered) {
     return app.exit(answered);  // prints help or version
   } catch (const CLI::ParseError& error) {
-    const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
-    complain(app, (extra ? unexpected(app) : error.what()) + "\n`" + app.get_name() +
-                      " --help` shows what can be given");
+    complain(app,
+             explained(app, error) + "\n`" + app.get_name() + " --help` shows what can be given");
     return kUsage;
   } catch (const NotReady& error) {
     complain(app, error.what());

@@ -47,6 +47,9 @@ std::string with_digits_around_points(const std::string& text) {
   return full;
 }
 
+// The line of what is wrong with an override: told last.
+constexpr unsigned kOfOverride = std::numeric_limits<unsigned>::max();
+
 }  // namespace
 
 TomlReader::TomlReader(std::string_view text, std::string source,
@@ -105,7 +108,7 @@ void TomlReader::note(const std::string& path, Place place, const std::string& t
   const std::string where =
       overridden ? "--set " + path
                  : source_ + ':' + std::to_string(place.line) + ':' + std::to_string(place.column);
-  if (overridden) place.line = std::numeric_limits<unsigned>::max();  // told last
+  if (overridden) place.line = kOfOverride;
   mistakes_.push_back({place, where + ": error: " + text});
 }
 
@@ -133,8 +136,8 @@ void TomlReader::finish() {
   std::stable_sort(mistakes_.begin(), mistakes_.end(), [](const Mistake& a, const Mistake& b) {
     return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
   });
-  std::string text =
-      source_ + (document_->overrides.empty() ? "" : ", as --set changes it,") + " cannot be used:";
+  const bool overridden = mistakes_.back().place.line == kOfOverride;
+  std::string text = source_ + (overridden ? ", as --set changes it," : "") + " cannot be used:";
   for (const Mistake& mistake : mistakes_) text += '\n' + mistake.text;
   throw Error(text);
 }

@@ -45,6 +45,14 @@ def script(path):
     return module
 
 
+class Running(unittest.TestCase):
+    def test_programs_are_found_by_their_names(self):
+        with subprocess.Popen(["/opt/lab/benchtest-daemon", "9"], executable="/bin/sleep") as process:
+            self.assertEqual(machine.running("benchtest-"), [f"benchtest-daemon ({process.pid})"])
+            process.kill()
+        self.assertEqual(machine.running("benchtest-"), [])
+
+
 class Lines(unittest.TestCase):
     def test_a_value(self):
         values, mistakes = parse_all(GOOD + "\n")

@@ -32,6 +32,7 @@ Outcome run(std::vector<std::string> arguments, const std::function<int(const Ri
   fault->require_subcommand(0, 1);
   fault->add_subcommand("sensor", "A verb's verb");
   fault->add_subcommand("drive", "Another")->add_flag("--weak");
+  fault->add_subcommand("step", "One with a duty")->add_option("--roll")->required();
   arguments.insert(arguments.begin(), "gyrotwin-trial");
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
@@ -112,6 +113,7 @@ TEST(RunProgram, SaysWhatAMisspeltWordWasLikelyMeantToBe) {
                      {{"arm", "--rog", "gooch"}, "--rig"},
                      {{"fault", "drive", "--week"}, "--weak"},
                      {{"fault", "drive", "--chek-config"}, "--check-config"},
+                     {{"fault", "step", "--rol", "2"}, "--roll"},
                      {{"--colour"}, ""}};
   for (const auto& [arguments, meant] : slips) {
     const Outcome outcome = run(arguments);

@@ -37,6 +37,7 @@ TEST(UnknownVerb, SuggestsTheNearest) {
   EXPECT_TRUE(contains(unknown_verb("integrater"), "did you mean `integrator`?"));
   EXPECT_FALSE(contains(unknown_verb("xyzzy"), "did you mean")) << "nothing is near";
   EXPECT_TRUE(contains(unknown_verb("xyzzy"), "gyrotwin --help"));
+  EXPECT_TRUE(contains(unknown_verb("--set"), "options follow it"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "clients/common/time_text.hpp"
 #include "clients/netcheck/quantity.hpp"
 #include "clients/netcheck/report.hpp"
 #include "services/runtime/text.hpp"

@@ -26,7 +26,7 @@ def _said(*words):
 
 def _read(path):
     try:
-        return Path(path).read_text().strip()
+        return Path(path).read_text(errors="replace").strip()
     except OSError:
         return ""
 
