@@ -47,7 +47,7 @@ export class Twin {
       return;
     }
     const [mx, my] = [health.external_moment_nm[0]!, health.external_moment_nm[1]!];
-    say(this.numbers, `misfit ${health.nis_total.toFixed(2)}, 1 is right · unknown moment ${amount(mx, 2)}, ${amount(my, 2)} N m`);
+    say(this.numbers, `misfit ${health.nis_total.toFixed(2)}, 1 is right · unknown moment ${amount(mx, 2)}, ${amount(my, 2)}\u00a0N\u00a0m`);
     const chips = SENSORS.flatMap((name, i) => {
       const verdict = health.sensor_verdict[i] ?? 0;
       return verdict === 0 ? [] : [`${verdict === 1 ? '✓' : '✕'} ${name}${verdict === 1 ? '' : `: ${SENSOR_VERDICTS[verdict]}`}`];
