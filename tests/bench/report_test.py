@@ -47,7 +47,10 @@ def script(path):
 
 class Running(unittest.TestCase):
     def test_programs_are_found_by_their_names(self):
-        with subprocess.Popen(["/opt/lab/benchtest-daemon", "9"], executable="/bin/sleep") as process:
+        words = ["/opt/lab/benchtest-daemon", "-c", "echo ready; read word"]
+        with subprocess.Popen(words, executable="/bin/sh", stdin=subprocess.PIPE,
+                              stdout=subprocess.PIPE) as process:
+            process.stdout.readline()
             self.assertEqual(machine.running("benchtest-"), [f"benchtest-daemon ({process.pid})"])
             process.kill()
         self.assertEqual(machine.running("benchtest-"), [])
