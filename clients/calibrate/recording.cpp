@@ -235,16 +235,7 @@ class Cutter {
         std::copy_n(next->drive_current_a, model::kMaxDrives, moment.current.emplace().begin());
       }
     }
-    auto& added = moment.input.added;
-    for (const model::PointMass& mass : circumstances_.added) {
-      if (added.size == model::kMaxAddedMasses) {
-        throw Error(
-            fmt::format("tick {} of run {}: more than {} masses are on the structure, "
-                        "those of --added-mass included",
-                        tick.tick, run_name(run.epoch), model::kMaxAddedMasses));
-      }
-      added.add(mass);
-    }
+    for (const model::PointMass& mass : circumstances_.added) moment.input.added.add(mass);
     return moment;
   }
 
@@ -277,6 +268,20 @@ void require_rate(const std::string& file, const std::vector<Run>& runs, const R
                       1e-9 * static_cast<double>(tick.sensors->header.sim_time_ns) /
                           static_cast<double>(tick.tick),
                       rig.name, rig.loop.tick_s()));
+    }
+  }
+}
+
+/// @throws Error where more is on the structure than a machine carries
+void require_room(const std::string& file, const std::vector<Run>& runs,
+                  const Circumstances& circumstances) {
+  for (const Run& run : runs) {
+    for (const Tick& tick : run.ticks) {
+      if (tick.input.added.size + circumstances.added.size() <= model::kMaxAddedMasses) continue;
+      throw Error(
+          fmt::format("{}: at tick {} of run {} more than {} masses are on the structure: "
+                      "leave out of --added-mass what was put on with `gyrotwin disturb mass`",
+                      file, tick.tick, run_name(run.epoch), model::kMaxAddedMasses));
     }
   }
 }
@@ -319,6 +324,7 @@ std::vector<Stretch> read_runs(const std::filesystem::path& path, const Rig& rig
   const std::vector<Run> runs = follower.runs();
   require_contents(file, runs, circumstances);
   require_rate(file, runs, rig);
+  require_room(file, runs, circumstances);
 
   std::vector<Stretch> stretches;
   const Cutter cutter(rig, machine, circumstances);

@@ -37,8 +37,6 @@ async function coloured() {
 }
 const count = (marks, mark) => marks.split(mark).length - 1;
 
-// A slow machine's page may be late, which is told too.
-const LIVES = () => /live|late/.test(document.querySelector('#link').textContent) && document.querySelector('#mode').textContent !== 'NO DATA';
 const is = (mode) => until(page, (name) => document.querySelector('#mode').textContent === name, mode);
 async function pause() {
   await page.keyboard.press('Space');
@@ -295,7 +293,7 @@ test('an owner that falls silent is told, and its data marked old', async () => 
   assert.equal(await text(page, '#mode'), 'NO DATA');
   assert.match(await text(page, '#call'), /No data for \d+ s/);
   lab.daemons.get('integrator').kill('SIGCONT');
-  await until(page, LIVES);
+  await until(page, () => document.querySelector('#banner').hidden);
 });
 
 test('a page that was held up says by how much it is behind, until it is not', async () => {
@@ -315,7 +313,7 @@ test('a page that was held up says by how much it is behind, until it is not', a
     };
   });
   await until(page, () => globalThis.banners.some((text) => /too slow: what is shown comes \d+ s late/.test(text)));
-  await until(page, LIVES);
+  await until(page, () => document.querySelector('#banner').hidden);
 });
 
 test('a gateway that restarts is found again', async () => {
@@ -323,7 +321,7 @@ test('a gateway that restarts is found again', async () => {
   await lab.kill('gateway');
   await until(page, () => /connection to the gateway is lost/.test(document.querySelector('#banner').textContent));
   lab.startGateway();
-  await until(page, LIVES);
+  await until(page, () => document.querySelector('#banner').hidden);
   lab.errors.splice(quiet);  // Chromium's own, for connections that were refused
 });
 

@@ -175,6 +175,16 @@ TEST_F(Recording, RefusesBadLogs) {
             std::string::npos);
 }
 
+TEST_F(Recording, RefusesMoreMassesThanAMachineCarries) {
+  record_run(folder / "run.lcm", {.rig = "double_brennan", .seconds = 0.1});
+  circumstances.added.assign(model::kMaxAddedMasses, {0.1, {0.0, 0.0, 0.2}});
+  EXPECT_EQ(read("double_brennan").front().moments.front().input.added.size,
+            model::kMaxAddedMasses);
+  circumstances.added.push_back(circumstances.added.front());
+  EXPECT_NE(message_of([&] { read("double_brennan"); }).find("run.lcm: at tick 0 of run "),
+            std::string::npos);
+}
+
 TEST_F(Recording, RefusesALogWithoutSensors) {
   const Rig rig = load_rig("double_brennan");
   {
