@@ -3,7 +3,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <iterator>
 
 #include "services/schema/lcm_text.hpp"
 
@@ -24,7 +23,7 @@ std::string short_line(const Catalog& catalog, const LogEvent& event, double sec
     append_short(line, *type, event.data);
     return line;
   }
-  fmt::format_to(std::back_inserter(line), " {} bytes ", event.data.size());
+  line += fmt::format(" {} bytes ", event.data.size());
   append_hex(line, event.data.first(std::min(event.data.size(), kShownOfUnknown)));
   if (event.data.size() > kShownOfUnknown) line += "...";
   return line;

@@ -2,7 +2,6 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <iterator>
 #include <string_view>
 
 #include "services/runtime/text.hpp"
@@ -69,8 +68,7 @@ constexpr Series kDaemon[] = {
 };
 
 void head(std::string& to, std::string_view name, std::string_view type, std::string_view help) {
-  fmt::format_to(std::back_inserter(to), "# HELP gyrotwin_{0} {1}\n# TYPE gyrotwin_{0} {2}\n", name,
-                 help, type);
+  to += fmt::format("# HELP gyrotwin_{0} {1}\n# TYPE gyrotwin_{0} {2}\n", name, help, type);
 }
 
 /// "integrator" of "INTEGRATOR/STATUS".
@@ -85,21 +83,20 @@ std::string service_of(const ChannelSpec& channel) {
 std::string metrics_text(const Gateway& gateway, const ServerCounters& server,
                          const BusCounters& bus) {
   std::string text;
-  const auto out = std::back_inserter(text);
   const std::string& rig = gateway.rig().name;
   for (const Series& series : kDaemon) {
     head(text, series.name, series.type, series.help);
     for (const ChannelSpec& channel : kChannels) {
       const auto& status = gateway.status(channel.channel);
       if (!status) continue;
-      fmt::format_to(out, "gyrotwin_{}{{rig=\"{}\",service=\"{}\"}} {}\n", series.name, rig,
-                     service_of(channel), series.value(*status));
+      text += fmt::format("gyrotwin_{}{{rig=\"{}\",service=\"{}\"}} {}\n", series.name, rig,
+                          service_of(channel), series.value(*status));
     }
   }
   const auto own = [&](std::string_view name, std::string_view type, std::string_view help,
                        double value) {
     head(text, name, type, help);
-    fmt::format_to(out, "gyrotwin_{}{{rig=\"{}\"}} {}\n", name, rig, value);
+    text += fmt::format("gyrotwin_{}{{rig=\"{}\"}} {}\n", name, rig, value);
   };
   std::size_t waiting = 0;
   std::int64_t left_out = gateway.counters().messages_left_out;
@@ -115,8 +112,8 @@ std::string metrics_text(const Gateway& gateway, const ServerCounters& server,
   for (const auto& [reason, count] : {std::pair{"busy", server.refused_busy},
                                       {"access", server.refused_access},
                                       {"malformed", server.refused_malformed}}) {
-    fmt::format_to(out, "gyrotwin_gateway_refused_total{{rig=\"{}\",reason=\"{}\"}} {}\n", rig,
-                   reason, count);
+    text += fmt::format("gyrotwin_gateway_refused_total{{rig=\"{}\",reason=\"{}\"}} {}\n", rig,
+                        reason, count);
   }
   own("gateway_queued_bytes", "gauge", "Waiting for clients, all together",
       static_cast<double>(waiting));

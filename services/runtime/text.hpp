@@ -12,17 +12,16 @@
 
 namespace gyrotwin {
 
+/// set_text() of a field of any length but 0.
+void write_text(std::span<std::uint8_t> field, fmt::string_view format,
+                fmt::format_args args) noexcept;
+
 /// Formats into the field, cut to fit, padded with NULs; the last byte stays NUL. Does not allocate
 /// for numbers and strings.
 template <std::size_t N, class... Args>
 void set_text(std::uint8_t (&field)[N], fmt::format_string<Args...> format,
               Args&&... args) noexcept {
-  std::fill(std::begin(field), std::end(field), std::uint8_t{0});
-  try {
-    fmt::format_to_n(field, N - 1, format, std::forward<Args>(args)...);
-  } catch (...) {
-    field[0] = 0;  // an empty text is better than a dead tick thread
-  }
+  write_text(field, format, fmt::make_format_args(args...));
 }
 
 /// The text up to its first NUL, as it is: for what this program wrote, or to be cleaned by the
@@ -34,12 +33,6 @@ std::string_view text_view(const std::uint8_t (&field)[N]) noexcept {
 }
 
 /// The text up to its first NUL, other control characters and non-ASCII shown as '?'.
-inline std::string get_text(std::span<const std::uint8_t> field) {
-  std::string text(field.begin(), std::find(field.begin(), field.end(), 0));
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return text;
-}
+std::string get_text(std::span<const std::uint8_t> field);
 
 }  // namespace gyrotwin
