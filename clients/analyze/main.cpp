@@ -30,25 +30,25 @@ struct Options {
   std::vector<std::string> map;
 };
 
-void add_options(CLI::App& app, Options& options) {
+void add_options(Command& app, Options& options) {
   add_variation(app, options.variation);
   app.add_option("--duration", options.duration,
                  "How long undisturbed runs last [s]; pushes and limits a third of it")
-      ->check(finite_within(1.0, 1e5))
-      ->capture_default_str()
-      ->type_name("S");
+      .check(number_within(1.0, 1e5))
+      .shows_default()
+      .type("S");
   app.add_option("--threads", options.threads, "How many share the work; default: all processors")
-      ->check(CLI::Range(1, 256))
-      ->type_name("N");
+      .check(whole_within(1, 256))
+      .type("N");
   app.add_flag("--json", options.json, "As one JSON object, every digit");
   app.add_option("--report", options.report, "Also as one HTML page with pictures")
-      ->type_name("FILE.html");
+      .type("FILE.html");
   app.add_option("--locus", options.locus,
                  "Rig key of the report's root locus; default: rotor speed")
-      ->type_name("KEY=LOW:HIGH");
+      .type("KEY=LOW:HIGH");
   app.add_option("--map", options.map, "Two rig keys of the report's stability map")
-      ->expected(2)
-      ->type_name("KEY=LOW:HIGH");
+      .values(2)
+      .type("KEY=LOW:HIGH");
 }
 
 /// What the rig file has under the map's keys, where both are numbers.
@@ -132,10 +132,9 @@ int run(RigOptions& rig_options, const Options& options) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app("Says whether a rig stands, by how much, and why.", "gyrotwin-analyze");
+  gyrotwin::CommandLine app("Says whether a rig stands, by how much, and why.", "gyrotwin-analyze");
   gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;
   gyrotwin::add_options(app, options);
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(rig_options, options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(rig_options, options); });
 }

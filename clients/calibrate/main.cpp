@@ -35,58 +35,58 @@ std::vector<std::string> experiment_names() {
   return names;
 }
 
-void add_what(CLI::App& app, Options& options) {
+void add_what(Command& app, Options& options) {
   app.add_option("logs", options.logs, "Logs of `gyrotwin log record` or `gyrotwin experiment`")
-      ->required()
-      ->type_name("FILE...");
+      .required()
+      .type("FILE...");
   app.add_option("--experiment", options.experiment,
                  "What was done: says which keys are sought, and what was pinned")
-      ->check(one_of(experiment_names()))
-      ->type_name("NAME");
+      .check(one_of(experiment_names()))
+      .type("NAME");
   app.add_option("--fit", options.fit,
                  "A key of the rig file to seek, repeatable; default: those of the experiment")
-      ->allow_extra_args(false)
-      ->type_name("KEY");
+      .repeatable()
+      .type("KEY");
   app.add_option("--added-mass", options.added,
                  "Bolted to the structure, repeatable: kg and where, in its frame [m]; what was "
                  "put on with `gyrotwin disturb mass` is in the log")
-      ->allow_extra_args(false)
-      ->type_name("KG@X,Y,Z");
+      .repeatable()
+      .type("KG@X,Y,Z");
   app.add_option("--drive", options.drive,
                  "Where the drives' torques are taken from: what was commanded, or the currents")
-      ->check(one_of({"command", "current"}))
-      ->capture_default_str();
+      .check(one_of({"command", "current"}))
+      .shows_default();
   app.add_option("--use", options.use, "Only this sensor counts, repeatable; default: all")
-      ->allow_extra_args(false)
-      ->check(one_of({kSensorNames.begin(), kSensorNames.end()}));
+      .repeatable()
+      .check(one_of({kSensorNames.begin(), kSensorNames.end()}));
   app.add_option("--from", options.from_s, "Begin at this time of each run [s]")
-      ->check(finite_within(0.0, 1e9).description(""))
-      ->type_name("S");
+      .check(number_within(0.0, 1e9).untold())
+      .type("S");
   app.add_option("--to", options.to_s, "End at this time of each run [s]")
-      ->check(finite_within(0.0, 1e9).description(""))
-      ->type_name("S");
+      .check(number_within(0.0, 1e9).untold())
+      .type("S");
 }
 
-void add_how(CLI::App& app, Options& options) {
+void add_how(Command& app, Options& options) {
   app.add_option("--segment", options.segment_s,
                  "Length of what is shot through at a time [s]; default 0.2, where axles ride on a "
                  "ring 0.05")
-      ->check(finite_within(1e-3, 1e3).description(""))
-      ->type_name("S");
+      .check(number_within(1e-3, 1e3).untold())
+      .type("S");
   app.add_option("--every", options.every,
                  "Only each so many ticks' readings count; default: as many as make 200000")
-      ->check(CLI::Range(1, 100'000))
-      ->type_name("N");
+      .check(whole_within(1, 100'000))
+      .type("N");
   app.add_option("--threads", options.threads, "How many share the work; default: all processors")
-      ->check(CLI::Range(1, 256))
-      ->type_name("N");
+      .check(whole_within(1, 256))
+      .type("N");
   app.add_flag("--json", options.json, "As one JSON object, every digit");
   app.add_option("--report", options.report,
                  "Also as one HTML page with residuals before and after")
-      ->type_name("FILE.html");
+      .type("FILE.html");
   app.add_option("--output", options.output,
                  "A new rig file: a copy in which what was identified stands with its sigma")
-      ->type_name("NEW.toml");
+      .type("NEW.toml");
 }
 
 model::PointMass added_mass(const std::string& text) {
@@ -225,13 +225,13 @@ std::string footer() {
 }  // namespace gyrotwin::calibration
 
 int main(int argc, char** argv) {
-  CLI::App app("Finds parameters of a rig, with their covariance, from logs of its runs.",
-               "gyrotwin-calibrate");
+  gyrotwin::CommandLine app(
+      "Finds parameters of a rig, with their covariance, from logs of its runs.",
+      "gyrotwin-calibrate");
   app.footer(gyrotwin::calibration::footer());
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::calibration::Options options;
   gyrotwin::calibration::add_what(app, options);
   gyrotwin::calibration::add_how(app, options);
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::calibration::run(rig_options, options); });
+  return app.run(argc, argv, [&] { return gyrotwin::calibration::run(rig_options, options); });
 }

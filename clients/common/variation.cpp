@@ -56,15 +56,15 @@ void choose_mount(RigOptions& rig_options, const std::string& mount, const std::
 
 }  // namespace
 
-void add_variation(CLI::App& app, Variation& variation) {
+void add_variation(Command& app, Variation& variation) {
   app.add_option("--law", variation.law, "Control law instead of the rig file's, or none")
-      ->check(one_of(names_of(kLawWords)))
-      ->type_name("NAME");
+      .check(one_of(names_of(kLawWords)))
+      .type("NAME");
   app.add_option("--mount", variation.mount,
                  "How the disc sits on the structure (umbrella platforms)")
-      ->check(one_of(names_of(kMountWords)));
+      .check(one_of(names_of(kMountWords)));
   app.add_option("--track", variation.track, "What the outer axles ride on (umbrella platforms)")
-      ->check(one_of(names_of(kTrackWords)));
+      .check(one_of(names_of(kTrackWords)));
 }
 
 void apply(const Variation& variation, RigOptions& rig_options) {

@@ -13,7 +13,7 @@ struct Variation {
 };
 
 /// Adds the three options, which take the words of the rig file. `variation` must live as long.
-void add_variation(CLI::App& app, Variation& variation);
+void add_variation(Command& app, Variation& variation);
 
 /// As if the rig had them; its initial state is carried over to another mount.
 /// @throws Error when the rig is wrong, or has no mount and track

@@ -35,58 +35,58 @@ struct Options {
 
 std::int64_t nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
 
-void add_verbs(CLI::App& app, Options& options) {
+void add_verbs(Command& app, Options& options) {
   for (const Verb& verb : kVerbs) {
-    CLI::App* sub = app.add_subcommand(std::string(verb.name), std::string(verb.summary));
+    Command sub = app.add_subcommand(std::string(verb.name), std::string(verb.summary));
     if (verb.verb == request_t::STEP) {
-      sub->add_option("ticks", options.ticks, "How many")
-          ->required()
-          ->type_name("N")
-          ->check(finite_within(1.0, kMostTicks).description(""));
+      sub.add_option("ticks", options.ticks, "How many")
+          .required()
+          .type("N")
+          .check(whole_within(1.0, kMostTicks).untold());
     } else if (verb.verb == request_t::SPEED) {
-      sub->add_option("factor", options.speed, "Simulated over wall time")
-          ->required()
-          ->type_name("X")
-          ->check(finite_within(kSlowestSpeed, kFastestSpeed));
+      sub.add_option("factor", options.speed, "Simulated over wall time")
+          .required()
+          .type("X")
+          .check(number_within(kSlowestSpeed, kFastestSpeed));
     } else if (verb.verb == request_t::ROTORS) {
-      sub->add_option("what", options.rotors, "spin-up or spin-down")
-          ->required()
-          ->type_name("WHAT")
-          ->check(one_of({"spin-up", "spin-down"}).description(""));
+      sub.add_option("direction", options.rotors, "spin-up or spin-down")
+          .required()
+          .type("WHAT")
+          .check(one_of({"spin-up", "spin-down"}).untold());
     } else if (verb.verb == request_t::RESET) {
-      sub->add_option("--initial", options.initial,
-                      "Initial state instead of the rig file's, rad and rad/s: "
-                      "q=0.05,0,0,0,v=0,0,-5,0 or thx=0.05,phi_dot=-5")
-          ->type_name("STATE");
+      sub.add_option("--initial", options.initial,
+                     "Initial state instead of the rig file's, rad and rad/s: "
+                     "q=0.05,0,0,0,v=0,0,-5,0 or thx=0.05,phi_dot=-5")
+          .type("STATE");
     }
   }
 }
 
-void add_observers(CLI::App& app, Options& options) {
-  CLI::App* status = app.add_subcommand("status", "How owner and controller are");
-  status->add_flag("--json", options.json, "For programs");
+void add_observers(Command& app, Options& options) {
+  Command status = app.add_subcommand("status", "How owner and controller are");
+  status.add_flag("--json", options.json, "For programs");
 
-  CLI::App* modes = app.add_subcommand("modes", "The modes of an owner and what leads where");
-  modes->add_flag("--markdown", options.markdown, "As a Markdown table");
+  Command modes = app.add_subcommand("modes", "The modes of an owner and what leads where");
+  modes.add_flag("--markdown", options.markdown, "As a Markdown table");
 
-  CLI::App* wait = app.add_subcommand("wait", "Wait for a mode, or until the platform balances");
-  wait->add_option("what", options.awaited,
-                   "held, running, paused, safe_stop, fallen, fault; ready: HELD, and can be "
-                   "armed; balanced: RUNNING and upright for a while")
-      ->required()
-      ->type_name("MODE");
-  wait->add_option("--timeout", options.timeout_s, "Wall time to wait at the longest [s]")
-      ->type_name("S")
-      ->capture_default_str()
-      ->check(finite_within(0.0, kDay).description(""));
-  wait->add_option("--tilt-deg", options.tilt_deg, "balanced: largest tilt [deg]")
-      ->type_name("X")
-      ->capture_default_str()
-      ->check(finite_within(0.0, 180.0).description(""));
-  wait->add_option("--for", options.for_s, "balanced: this long, in the owner's time [s]")
-      ->type_name("S")
-      ->capture_default_str()
-      ->check(finite_within(0.0, kDay).description(""));
+  Command wait = app.add_subcommand("wait", "Wait for a mode, or until the platform balances");
+  wait.add_option("mode", options.awaited,
+                  "held, running, paused, safe_stop, fallen, fault; ready: HELD, and can be "
+                  "armed; balanced: RUNNING and upright for a while")
+      .required()
+      .type("MODE");
+  wait.add_option("--timeout", options.timeout_s, "Wall time to wait at the longest [s]")
+      .type("S")
+      .shows_default()
+      .check(number_within(0.0, kDay).untold());
+  wait.add_option("--tilt-deg", options.tilt_deg, "balanced: largest tilt [deg]")
+      .type("X")
+      .shows_default()
+      .check(number_within(0.0, 180.0).untold());
+  wait.add_option("--for", options.for_s, "balanced: this long, in the owner's time [s]")
+      .type("S")
+      .shows_default()
+      .check(number_within(0.0, kDay).untold());
 }
 
 request_t request_of(const Verb& verb, const Options& options, const Rig& rig) {
@@ -137,16 +137,15 @@ void wait(Asker& asker, const Options& options) {
   std::printf("balanced: within %g deg for %g s\n", options.tilt_deg, options.for_s);
 }
 
-int run(const CLI::App& app, const RigOptions& rig_options, const Options& options) {
-  const auto chosen = app.get_subcommands();
-  const std::string name = chosen.empty() ? "" : chosen.front()->get_name();
+int run(const Command& app, const RigOptions& rig_options, const Options& options) {
+  const std::string name = app.given_subcommand();
   if (name == "modes") {
     const TableStyle style = options.markdown ? TableStyle::kMarkdown : TableStyle::kText;
     std::fputs(mode_table(style).c_str(), stdout);
     return kDone;
   }
   const Rig rig = rig_options.load();
-  if (chosen.empty()) throw CLI::RequiredError("what to do, e.g. status,");
+  if (name.empty()) throw UsageError("what to do, e.g. status, is required");
   if (options.awaited == "balanced" && rig.build_machine().layout.tilts() == 0) {
     throw Error("wait balanced: rig " + rig.name +
                 " cannot tilt, so there is no balance to wait for; `wait running` can be had");
@@ -173,7 +172,7 @@ int run(const CLI::App& app, const RigOptions& rig_options, const Options& optio
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Asks the owner of a rig (integrator or hardware) for something, or shows how it is.",
       "gyrotwin-ctl");
   app.footer(
@@ -182,10 +181,9 @@ int main(int argc, char** argv) {
       "  gyrotwin ctl arm && gyrotwin ctl wait balanced\n"
       "  gyrotwin ctl --rig double_brennan reset --initial thx=0.05\n"
       "  gyrotwin ctl status --json");
-  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;
   gyrotwin::add_verbs(app, options);
   gyrotwin::add_observers(app, options);
-  return gyrotwin::run_program(argc, argv, app, [&] { return run(app, rig_options, options); });
+  return app.run(argc, argv, [&] { return run(app, rig_options, options); });
 }

@@ -74,8 +74,8 @@ int end(Asker& asker, std::int32_t verb, std::int64_t id) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app("Disturbs the platform, breaks parts of it, and tells what came of it.",
-               "gyrotwin-disturb");
+  gyrotwin::CommandLine app("Disturbs the platform, breaks parts of it, and tells what came of it.",
+                            "gyrotwin-disturb");
   app.footer(
       "Whatever is asked for is answered with its number and its ticks, or refused. It ends after\n"
       "its --duration, with cancel, with clear, or with a reset. World frame: x forward, y left, "
@@ -88,34 +88,35 @@ int main(int argc, char** argv) {
       "  gyrotwin disturb gust --roll 0.6 --pitch 0.6 --duration 20\n"
       "  gyrotwin disturb rotor 2 --watch 10\n"
       "  gyrotwin disturb play push_and_gust");
-  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
-  const gyrotwin::EventOptions options(app);
+  gyrotwin::EventOptions options(app);
   std::int64_t id = 0;
-  CLI::App* cancel = app.add_subcommand("cancel", "End one, or keep it from beginning");
-  cancel->add_option("number", id, "Of the disturbance or fault, from its answer")
-      ->required()
-      ->type_name("N")
-      ->check(gyrotwin::finite_within(1.0, gyrotwin::kMostNumbers).description(""));
-  CLI::App* clear = app.add_subcommand("clear", "End all, also those to come");
+  gyrotwin::Command cancel = app.add_subcommand("cancel", "End one, or keep it from beginning");
+  cancel.add_option("number", id, "Of the disturbance or fault, from its answer")
+      .required()
+      .type("N")
+      .check(gyrotwin::whole_within(1.0, gyrotwin::kMostNumbers).untold());
+  gyrotwin::Command clear = app.add_subcommand("clear", "End all, also those to come");
   std::string scenario;
-  CLI::App* play = app.add_subcommand(
+  gyrotwin::Command play = app.add_subcommand(
       "play", "All events of a scenario file; their times count from now, or from arming");
-  play->add_option("scenario", scenario, "Scenario file, or the name of a shipped scenario")
-      ->required()
-      ->type_name("NAME|FILE");
+  play.add_option("scenario", scenario, "Scenario file, or the name of a shipped scenario")
+      .required()
+      .type("NAME|FILE");
 
-  return gyrotwin::run_program(argc, argv, app, [&] {
+  return app.run(argc, argv, [&] {
     const gyrotwin::Rig rig = rig_options.load();
     const auto planned =
-        play->parsed() ? gyrotwin::load_scenario(scenario) : std::vector<gyrotwin::PlannedEvent>{};
+        play.given() ? gyrotwin::load_scenario(scenario) : std::vector<gyrotwin::PlannedEvent>{};
     const gyrotwin::AskedEvent* event = options.chosen();
-    if (app.get_subcommands().empty()) throw CLI::RequiredError("what to do, e.g. impulse,");
+    if (app.given_subcommand().empty()) {
+      throw gyrotwin::UsageError("what to do, e.g. impulse, is required");
+    }
     gyrotwin::MonotonicClock clock;
     gyrotwin::Asker asker(rig, clock);
     if (event != nullptr) return gyrotwin::cause(rig, asker, *event, options);
-    if (cancel->parsed()) return gyrotwin::end(asker, gyrotwin::request_t::CANCEL, id);
-    if (clear->parsed()) return gyrotwin::end(asker, gyrotwin::request_t::CLEAR, 0);
+    if (cancel.given()) return gyrotwin::end(asker, gyrotwin::request_t::CANCEL, id);
+    if (clear.given()) return gyrotwin::end(asker, gyrotwin::request_t::CLEAR, 0);
     gyrotwin::play(asker, rig, planned);
     return static_cast<int>(gyrotwin::kDone);
   });

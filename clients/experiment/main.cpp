@@ -26,39 +26,38 @@ struct Options {
   bool ready = false;
 };
 
-void add_experiment(CLI::App& app, const ExperimentKind& kind, Options& options) {
-  CLI::App* sub = app.add_subcommand(std::string(kind.name), std::string(kind.does));
-  sub->add_option("file", options.file, "A new log")->required()->type_name("FILE");
-  sub->add_option(
-         "--duration", options.duration_s,
-         kind.name == "run-down"
-             ? "How long to watch, in the owner's time [s]; default: until the rotors have "
-               "lost half their speed"
-             : "How long to watch, in the owner's time [s]; default: 10")
-      ->check(finite_within(0.1, 1e5).description(""))
-      ->type_name("S");
-  sub->add_flag("--ready", options.ready, "What is to be done by hand is done: do not ask");
+void add_experiment(Command& app, const ExperimentKind& kind, Options& options) {
+  Command sub = app.add_subcommand(std::string(kind.name), std::string(kind.does));
+  sub.add_option("file", options.file, "A new log").required().type("FILE");
+  sub.add_option("--duration", options.duration_s,
+                 kind.name == "run-down"
+                     ? "How long to watch, in the owner's time [s]; default: until the rotors have "
+                       "lost half their speed"
+                     : "How long to watch, in the owner's time [s]; default: 10")
+      .check(number_within(0.1, 1e5).untold())
+      .type("S");
+  sub.add_flag("--ready", options.ready, "What is to be done by hand is done: do not ask");
   if (kind.name == "coast-down") {
-    sub->add_option("--driven", options.plan.driven_s,
-                    "How long the controller's law drives the disc before [s]")
-        ->check(finite_within(0.1, 1e5).description(""))
-        ->capture_default_str()
-        ->type_name("S");
+    sub.add_option("--driven", options.plan.driven_s,
+                   "How long the controller's law drives the disc before [s]")
+        .check(number_within(0.1, 1e5).untold())
+        .shows_default()
+        .type("S");
   }
   if (kind.name != "swing") return;
-  sub->add_option("--mass", options.plan.mass_kg, "The counterweight [kg]")
-      ->required()
-      ->check(finite_within(1e-3, 1e6).description(""))
-      ->type_name("KG");
-  sub->add_option("--height", options.plan.mass_height_m,
-                  "Its centre of mass above the ground pivot [m]; < 0: below")
-      ->required()
-      ->check(finite_within(-1e3, -1e-3).description(""))
-      ->type_name("M");
-  sub->add_option("--lean", options.lean_deg, "Where it starts [deg]")
-      ->check(finite_within(0.1, 30.0).description(""))
-      ->capture_default_str()
-      ->type_name("DEG");
+  sub.add_option("--mass", options.plan.mass_kg, "The counterweight [kg]")
+      .required()
+      .check(number_within(1e-3, 1e6).untold())
+      .type("KG");
+  sub.add_option("--height", options.plan.mass_height_m,
+                 "Its centre of mass above the ground pivot [m]; < 0: below")
+      .required()
+      .check(number_within(-1e3, -1e-3).untold())
+      .type("M");
+  sub.add_option("--lean", options.lean_deg, "Where it starts [deg]")
+      .check(number_within(0.1, 30.0).untold())
+      .shows_default()
+      .type("DEG");
 }
 
 void wait_for_hands(const std::string& work, bool ready) {
@@ -81,11 +80,12 @@ std::vector<std::string> rig_words(const RigOptions& rig_options) {
   return words;
 }
 
-int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
+int run(const Command& app, const RigOptions& rig_options, Options& options) {
   const Rig rig = rig_options.load();
-  if (app.get_subcommands().empty()) throw CLI::RequiredError("which experiment, e.g. swing,");
+  const std::string name = app.given_subcommand();
+  if (name.empty()) throw UsageError("which experiment, e.g. swing, is required");
   ExperimentPlan& plan = options.plan;
-  plan.kind = &experiment_of(app.get_subcommands().front()->get_name());
+  plan.kind = &experiment_of(name);
   plan.watched_s = options.duration_s.value_or(watched_s(*plan.kind, rig));
   plan.tilt_rad = options.lean_deg * std::numbers::pi / 180.0;
   MonotonicClock clock;
@@ -125,8 +125,9 @@ int run(const CLI::App& app, const RigOptions& rig_options, Options& options) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs an experiment on a rig, simulated or real, and records it for calibrate.",
-               "gyrotwin-experiment");
+  gyrotwin::CommandLine app(
+      "Runs an experiment on a rig, simulated or real, and records it for calibrate.",
+      "gyrotwin-experiment");
   app.footer(
       "It asks the owner of the rig for everything, and needs a controller that is there to arm.\n"
       "What a simulated rig has to be started with for it, it says. Ctrl-C disarms.\n"
@@ -135,12 +136,10 @@ int main(int argc, char** argv) {
       "  gyrotwin experiment coast-down coast.lcm --driven 5 --duration 15\n"
       "  gyrotwin experiment swing swing_8kg.lcm --mass 8 --height -0.4\n"
       "  gyrotwin experiment run-down rotors.lcm");
-  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;
   for (const gyrotwin::ExperimentKind& kind : gyrotwin::kExperiments) {
     gyrotwin::add_experiment(app, kind, options);
   }
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(app, rig_options, options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(app, rig_options, options); });
 }

@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (verb == "--print-manual") {
-    std::fputs(gyrotwin::front_manual(GYROTWIN_VERSION).c_str(), stdout);
+    std::fputs(gyrotwin::front_manual().c_str(), stdout);
     return 0;
   }
   if (verb == "--print-words") {

@@ -3,9 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <memory>
 
-#include "services/runtime/manual.hpp"
+#include "services/runtime/cli.hpp"
 #include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {
@@ -27,16 +26,13 @@ std::string list(const std::array<Program, N>& programs) {
 }
 
 /// The verbs as subcommands: to be described, not to be parsed.
-std::unique_ptr<CLI::App> described() {
-  auto app = std::make_unique<CLI::App>(
+CommandLine described() {
+  CommandLine app(
       "A gyroscopic platform, its physics and its controller, over the network. Runs the program "
       "gyrotwin-COMMAND; `gyrotwin COMMAND --help` and `man gyrotwin-COMMAND` tell more of one.",
       "gyrotwin");
-  app->set_version_flag("--version", "");
-  app->footer("Example:\n" + std::string(kExample));
-  const auto add = [&app](const Program& p) {
-    app->add_subcommand(std::string(p.name), std::string(p.summary));
-  };
+  app.footer("Example:\n" + std::string(kExample));
+  const auto add = [&app](const Program& p) { app.add_subcommand(p.name, p.summary); };
   std::ranges::for_each(kDaemons, add);
   std::ranges::for_each(kClients, add);
   return app;
@@ -61,9 +57,9 @@ std::string front_page() {
          std::string(kExample);
 }
 
-std::string front_manual(std::string_view version) { return manual(*described(), version); }
+std::string front_manual() { return described().manual(); }
 
-std::string front_words() { return completion_words(*described()); }
+std::string front_words() { return described().completion_words(); }
 
 std::string unknown_verb(std::string_view verb) {
   if (verb.starts_with('-')) {

@@ -41,7 +41,7 @@ inline constexpr std::array<Program, 13> kClients{{
 std::string front_page();
 
 /// The man page of `gyrotwin`, and what completes its first word (services/runtime/manual.hpp).
-std::string front_manual(std::string_view version);
+std::string front_manual();
 std::string front_words();
 
 /// Why there is no such verb, and what was probably meant.

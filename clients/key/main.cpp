@@ -60,7 +60,7 @@ int print_path(const Rig& rig) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "The key of a rig: with it every message is signed and checked, so that only who has it can "
       "steer or mislead the platform. Content is not hidden.",
       "gyrotwin-key");
@@ -69,25 +69,25 @@ int main(int argc, char** argv) {
       "Example:\n"
       "  gyrotwin key new --rig prototype_b\n"
       "  gyrotwin key check --rig prototype_b");
-  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
-  CLI::App* make = app.add_subcommand("new", "Make the rig's key; one that is there is kept");
-  CLI::App* show =
+  gyrotwin::Command make =
+      app.add_subcommand("new", "Make the rig's key; one that is there is kept");
+  gyrotwin::Command show =
       app.add_subcommand("show-id", "Print a fingerprint of the key, to compare hosts");
-  CLI::App* check = app.add_subcommand(
+  gyrotwin::Command check = app.add_subcommand(
       "check", "Whether the key is fit for use here, and whether others on the bus have the same");
   double seconds = 1.0;
-  check->add_option("--for", seconds, "How long to listen to the bus, wall time [s]")
-      ->type_name("S")
-      ->capture_default_str()
-      ->check(gyrotwin::finite_within(0.1, 3600.0).description(""));
-  CLI::App* path = app.add_subcommand("path", "Print where the key is");
-  return gyrotwin::run_program(argc, argv, app, [&] {
+  check.add_option("--for", seconds, "How long to listen to the bus, wall time [s]")
+      .type("S")
+      .shows_default()
+      .check(gyrotwin::number_within(0.1, 3600.0).untold());
+  gyrotwin::Command path = app.add_subcommand("path", "Print where the key is");
+  return app.run(argc, argv, [&] {
     const gyrotwin::Rig rig = rig_options.load();
-    if (make->parsed()) return gyrotwin::make_new(rig);
-    if (show->parsed()) return gyrotwin::show_id(rig);
-    if (check->parsed()) return gyrotwin::check(rig, seconds);
-    if (path->parsed()) return gyrotwin::print_path(rig);
-    throw CLI::RequiredError("new, show-id, check or path");
+    if (make.given()) return gyrotwin::make_new(rig);
+    if (show.given()) return gyrotwin::show_id(rig);
+    if (check.given()) return gyrotwin::check(rig, seconds);
+    if (path.given()) return gyrotwin::print_path(rig);
+    throw gyrotwin::UsageError("new, show-id, check or path is required");
   });
 }

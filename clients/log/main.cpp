@@ -32,80 +32,80 @@ struct Options {
   PlotOptions plot;
 };
 
-void add_file(CLI::App& sub, Options& options) {
-  sub.add_option("file", options.file, "A log")->required()->type_name("FILE");
+void add_file(Command& sub, Options& options) {
+  sub.add_option("file", options.file, "A log").required().type("FILE");
 }
 
-void add_record(CLI::App& sub, Options& options) {
+void add_record(Command& sub, Options& options) {
   sub.add_option("file", options.record.file, "A new file; default: named by rig and time")
-      ->type_name("FILE");
+      .type("FILE");
   sub.add_flag("--all", options.all,
                "Also keep foreign short messages on the rig's group, as they are");
   sub.add_option("--rotate-mb", options.rotate_mb,
                  "Begin a new file when one has this size; files are then numbered [MB]")
-      ->type_name("X")
-      ->check(finite_within(1e-3, 1e9).description(""));
+      .type("X")
+      .check(number_within(1e-3, 1e9).untold());
   sub.add_option("--rotate-s", options.rotate_s,
                  "Begin a new file when one has lasted this long [s]")
-      ->type_name("S")
-      ->check(finite_within(1e-3, kLongest).description(""));
+      .type("S")
+      .check(number_within(1e-3, kLongest).untold());
 }
 
-void add_keep(CLI::App& sub, RecordOptions& record) {
+void add_keep(Command& sub, RecordOptions& record) {
   sub.add_option(
          "--keep", record.limits.keep,
          "Of the numbered files keep the last N, the one being written included, and remove "
          "this record's older ones; default: all")
-      ->type_name("N")
-      ->check(CLI::Range(2, 1'000'000).description(""));
+      .type("N")
+      .check(whole_within(2, 1'000'000).untold());
 }
 
-void add_times(CLI::App& sub, double& from_s, double& to_s) {
+void add_times(Command& sub, double& from_s, double& to_s) {
   sub.add_option("--from", from_s, "Begin so long after the first message [s]")
-      ->type_name("S")
-      ->check(finite_within(0.0, kLongest).description(""));
+      .type("S")
+      .check(number_within(0.0, kLongest).untold());
   sub.add_option("--to", to_s, "End so long after the first message [s]")
-      ->type_name("S")
-      ->check(finite_within(0.0, kLongest).description(""));
+      .type("S")
+      .check(number_within(0.0, kLongest).untold());
 }
 
-void add_selection(CLI::App& sub, Selection& selection) {
+void add_selection(Command& sub, Selection& selection) {
   sub.add_option("--channel", selection.channels,
                  "Only this channel, whole or its end, e.g. LIVE/STATE; repeatable")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
+      .type("NAME")
+      .repeatable();
   add_times(sub, selection.from_s, selection.to_s);
 }
 
-void add_export(CLI::App& sub, ExportOptions& options) {
-  sub.add_option("file", options.file, "A log")->required()->type_name("FILE");
+void add_export(Command& sub, ExportOptions& options) {
+  sub.add_option("file", options.file, "A log").required().type("FILE");
   sub.add_option("out", options.out,
                  "A new file ending .mat or .mcap, or .csv: then one a channel, OUT.CHANNEL.csv")
-      ->required()
-      ->type_name("OUT");
+      .required()
+      .type("OUT");
   sub.add_option("--format", options.format, "csv, mat or mcap; default: OUT's ending")
-      ->type_name("NAME")
-      ->check(one_of({"csv", "mat", "mcap"}).description(""));
+      .type("NAME")
+      .check(one_of({"csv", "mat", "mcap"}).untold());
   add_selection(sub, options.selection);
   sub.add_option("--every", options.every, "Of each channel, take every N-th message only")
-      ->type_name("N")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}).description(""));
+      .type("N")
+      .check(whole_within(1, 1e9).untold());
   sub.add_flag("--force", options.force, "Replace files that are there");
-  sub.add_flag_callback(
+  sub.add_flag(
       "--uncompressed", [&options] { options.compress = false; },
       "Do not compress what is in a .mat or .mcap");
 }
 
-void add_plot(CLI::App& sub, PlotOptions& options) {
-  sub.add_option("file", options.file, "A log")->required()->type_name("FILE");
+void add_plot(Command& sub, PlotOptions& options) {
+  sub.add_option("file", options.file, "A log").required().type("FILE");
   sub.add_option("--field", options.fields,
                  "Draw this one, e.g. LIVE/STATE.tilt_rad[0], without [0] all of its elements; "
                  "repeatable; default: tilt, disc, gimbals and torque of LIVE/STATE")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
+      .type("NAME")
+      .repeatable();
   add_times(sub, options.from_s, options.to_s);
   sub.add_option("--output", options.output, "A new file; default: FILE's name, ending .svg")
-      ->type_name("OUT");
+      .type("OUT");
   sub.add_flag("--force", options.force, "Replace the file that is there");
 }
 
@@ -138,7 +138,7 @@ int run_info(const Options& options) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Keeps the record of a rig in LCM's log format, shows it, plays it back, repairs it, hands "
       "it on.",
       "gyrotwin-log");
@@ -153,55 +153,55 @@ int main(int argc, char** argv) {
       "  gyrotwin log export run.lcm run.mcap   # or run.mat, run.csv\n"
       "  gyrotwin log plot --field LIVE/STATE.tilt_rad --to 10 run.lcm\n"
       "  gyrotwin log recover broken.lcm whole.lcm");
-  app.require_subcommand(0, 1);
   gyrotwin::Options options;
 
-  CLI::App* record = app.add_subcommand("record", "Record the rig's bus until Ctrl-C");
-  gyrotwin::add_record(*record, options);
-  gyrotwin::add_keep(*record, options.record);
-  const gyrotwin::RigOptions record_rig(*record);
+  gyrotwin::Command record = app.add_subcommand("record", "Record the rig's bus until Ctrl-C");
+  gyrotwin::add_record(record, options);
+  gyrotwin::add_keep(record, options.record);
+  const gyrotwin::RigOptions record_rig(record);
 
-  CLI::App* info = app.add_subcommand("info", "What is in a log");
-  gyrotwin::add_file(*info, options);
-  info->add_flag("--json", options.json, "For programs");
+  gyrotwin::Command info = app.add_subcommand("info", "What is in a log");
+  gyrotwin::add_file(info, options);
+  info.add_flag("--json", options.json, "For programs");
 
-  CLI::App* cat = app.add_subcommand(
+  gyrotwin::Command cat = app.add_subcommand(
       "cat", "Messages of a log, one a line; what is zero is left out, but with --json");
-  gyrotwin::add_file(*cat, options);
-  gyrotwin::add_selection(*cat, options.selection);
-  cat->add_flag("--json", options.json, "JSON lines with every field and digit");
+  gyrotwin::add_file(cat, options);
+  gyrotwin::add_selection(cat, options.selection);
+  cat.add_flag("--json", options.json, "JSON lines with every field and digit");
 
-  CLI::App* replay = app.add_subcommand("replay", "Send a log on the rig's bus, as recorded");
-  gyrotwin::add_file(*replay, options);
-  gyrotwin::add_selection(*replay, options.selection);
-  replay->add_option("--speed", options.speed, "Recorded over wall time")
-      ->type_name("X")
-      ->capture_default_str()
-      ->check(gyrotwin::finite_within(1e-3, 1e6).description(""));
-  const gyrotwin::RigOptions replay_rig(*replay);
+  gyrotwin::Command replay =
+      app.add_subcommand("replay", "Send a log on the rig's bus, as recorded");
+  gyrotwin::add_file(replay, options);
+  gyrotwin::add_selection(replay, options.selection);
+  replay.add_option("--speed", options.speed, "Recorded over wall time")
+      .type("X")
+      .shows_default()
+      .check(gyrotwin::number_within(1e-3, 1e6).untold());
+  const gyrotwin::RigOptions replay_rig(replay);
 
-  CLI::App* recover = app.add_subcommand("recover", "Copy what is sound in a damaged log");
-  gyrotwin::add_file(*recover, options);
-  recover->add_option("out", options.recovered, "A new file")->required()->type_name("OUT");
+  gyrotwin::Command recover = app.add_subcommand("recover", "Copy what is sound in a damaged log");
+  gyrotwin::add_file(recover, options);
+  recover.add_option("out", options.recovered, "A new file").required().type("OUT");
 
-  CLI::App* exported =
+  gyrotwin::Command exported =
       app.add_subcommand("export", "Turn a log into CSV, MATLAB's MAT or Foxglove's MCAP");
-  gyrotwin::add_export(*exported, options.exported);
+  gyrotwin::add_export(exported, options.exported);
 
-  CLI::App* plot = app.add_subcommand("plot", "Draw fields of a log over time, as SVG");
-  gyrotwin::add_plot(*plot, options.plot);
+  gyrotwin::Command plot = app.add_subcommand("plot", "Draw fields of a log over time, as SVG");
+  gyrotwin::add_plot(plot, options.plot);
 
-  return gyrotwin::run_program(argc, argv, app, [&] {
-    if (record->parsed()) return gyrotwin::run_record(record_rig, options);
-    if (info->parsed()) return gyrotwin::run_info(options);
-    if (cat->parsed()) return gyrotwin::cat(options.file, options.selection, options.json);
-    if (replay->parsed()) {
+  return app.run(argc, argv, [&] {
+    if (record.given()) return gyrotwin::run_record(record_rig, options);
+    if (info.given()) return gyrotwin::run_info(options);
+    if (cat.given()) return gyrotwin::cat(options.file, options.selection, options.json);
+    if (replay.given()) {
       const gyrotwin::Rig rig = replay_rig.load();
       return gyrotwin::replay(rig, options.file, options.selection, options.speed);
     }
-    if (recover->parsed()) return gyrotwin::recover(options.file, options.recovered);
-    if (exported->parsed()) return gyrotwin::export_log(options.exported);
-    if (plot->parsed()) return gyrotwin::plot_log(options.plot);
-    throw CLI::RequiredError("record, info, cat, replay, recover, export or plot");
+    if (recover.given()) return gyrotwin::recover(options.file, options.recovered);
+    if (exported.given()) return gyrotwin::export_log(options.exported);
+    if (plot.given()) return gyrotwin::plot_log(options.plot);
+    throw gyrotwin::UsageError("record, info, cat, replay, recover, export or plot is required");
   });
 }

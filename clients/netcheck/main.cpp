@@ -199,7 +199,7 @@ int listen(const RigOptions& rig_options, const Options& options) {
 }  // namespace gyrotwin::netcheck
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Whether the network between hosts is good enough for a rig, and what to fix. Pings all "
       "hosts "
       "that run `gyrotwin netcheck listen` on the rig's group and interface, on a port of its own: "
@@ -213,36 +213,36 @@ int main(int argc, char** argv) {
       "  gyrotwin netcheck --rig ./lab.toml           # on this one\n"
       "  gyrotwin netcheck --local                    # this host alone\n"
       "  gyrotwin netcheck --json | jq .lines[0].good_for_hz");
-  app.require_subcommand(0, 1);
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::netcheck::Options options;
   app.add_flag("--local", options.local,
                "Between two threads of this host: its interface, rights, wake-ups");
   app.add_flag("--json", options.json, "Everything, as one JSON object");
   app.add_option("--rate", options.rate_hz, "Pings a second [Hz]; default: the rig's loop.rate_hz")
-      ->type_name("HZ")
-      ->check(gyrotwin::finite_within(1.0, 10'000.0).description(""));
+      .type("HZ")
+      .check(gyrotwin::number_within(1.0, 10'000.0).untold());
   app.add_option("--duration", options.duration_s, "How long for each host [s]")
-      ->type_name("S")
-      ->capture_default_str()
-      ->check(gyrotwin::finite_within(0.01, 600.0).description(""));
+      .type("S")
+      .shows_default()
+      .check(gyrotwin::number_within(0.01, 600.0).untold());
   app.add_option("--hosts", options.hosts,
                  "So many others must answer; the search ends when they have. Default: any")
-      ->type_name("N")
-      ->check(gyrotwin::finite_within(1.0, 1'000.0).description(""));
+      .type("N")
+      .check(gyrotwin::whole_within(1.0, 1'000.0).untold());
   app.add_option("--patience", options.patience_s,
                  "How long to wait for whoever may still answer, at first and at the end [s]")
-      ->type_name("S")
-      ->capture_default_str()
-      ->check(gyrotwin::finite_within(0.1, 60.0).description(""));
+      .type("S")
+      .shows_default()
+      .check(gyrotwin::number_within(0.1, 60.0).untold());
   app.add_option("--port", options.port,
                  "UDP port of the pings, the same on all hosts; default: network.port + 1000")
-      ->type_name("PORT")
-      ->check(gyrotwin::finite_within(1.0, 65'535.0).description(""));
-  CLI::App* listen = app.add_subcommand("listen", "Answer, on the other hosts, until Ctrl-C");
-  listen->alias("answer");
-  return gyrotwin::run_program(argc, argv, app, [&] {
-    return listen->parsed() ? gyrotwin::netcheck::listen(rig_options, options)
-                            : gyrotwin::netcheck::check_network(rig_options, options);
+      .type("PORT")
+      .check(gyrotwin::whole_within(1.0, 65'535.0).untold());
+  gyrotwin::Command listen =
+      app.add_subcommand("listen", "Answer, on the other hosts, until Ctrl-C");
+  listen.alias("answer");
+  return app.run(argc, argv, [&] {
+    return listen.given() ? gyrotwin::netcheck::listen(rig_options, options)
+                          : gyrotwin::netcheck::check_network(rig_options, options);
   });
 }

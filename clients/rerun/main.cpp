@@ -55,16 +55,13 @@ class Output {
   LogBytes events_;
 };
 
-void add_common(CLI::App& sub, Options& options) {
-  sub.add_option("file", options.file, "A log of `gyrotwin log record`")
-      ->required()
-      ->type_name("LOG");
-  sub.add_option("--output", options.output, "A new log of what is made, unsigned")
-      ->type_name("OUT");
+void add_common(Command& sub, Options& options) {
+  sub.add_option("file", options.file, "A log of `gyrotwin log record`").required().type("LOG");
+  sub.add_option("--output", options.output, "A new log of what is made, unsigned").type("OUT");
   sub.add_option("--set", options.overrides,
                  "Override a key of the rig file that the log carries; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+      .type("KEY=VALUE")
+      .repeatable();
 }
 
 std::string outcome(const Account& account) {
@@ -105,7 +102,7 @@ int run(const Options& options, bool mirror) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Feeds a record to mirror or controller once more, offline: the same log gives the same "
       "bytes. What they make is compared with what was recorded of them.",
       "gyrotwin-rerun");
@@ -117,21 +114,20 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  gyrotwin rerun mirror run.lcm --output twin.lcm\n"
       "  gyrotwin rerun controller run.lcm");
-  app.require_subcommand(0, 1);
   gyrotwin::Options options;
 
-  CLI::App* mirror = app.add_subcommand("mirror", "SENSORS and COMMAND to the mirror");
-  gyrotwin::add_common(*mirror, options);
-  CLI::App* controller = app.add_subcommand("controller", "STATE to the controller");
-  gyrotwin::add_common(*controller, options);
-  controller->add_option("--on", options.on, "Whose STATE the recorded controller answered")
-      ->check(gyrotwin::one_of({"live", "twin"}).description(""))
-      ->type_name("live|twin")
-      ->capture_default_str();
+  gyrotwin::Command mirror = app.add_subcommand("mirror", "SENSORS and COMMAND to the mirror");
+  gyrotwin::add_common(mirror, options);
+  gyrotwin::Command controller = app.add_subcommand("controller", "STATE to the controller");
+  gyrotwin::add_common(controller, options);
+  controller.add_option("--on", options.on, "Whose STATE the recorded controller answered")
+      .check(gyrotwin::one_of({"live", "twin"}).untold())
+      .type("live|twin")
+      .shows_default();
 
-  return gyrotwin::run_program(argc, argv, app, [&] {
-    if (mirror->parsed()) return gyrotwin::run(options, true);
-    if (controller->parsed()) return gyrotwin::run(options, false);
-    throw CLI::RequiredError("mirror or controller");
+  return app.run(argc, argv, [&] {
+    if (mirror.given()) return gyrotwin::run(options, true);
+    if (controller.given()) return gyrotwin::run(options, false);
+    throw gyrotwin::UsageError("mirror or controller is required");
   });
 }

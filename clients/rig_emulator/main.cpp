@@ -17,45 +17,46 @@ struct Line {
   std::string link, device;
 };
 
-void add_options(CLI::App& app, Line& line, EmulatorOptions& options) {
-  auto* link = app.add_option("--link", line.link,
-                              "A symbolic link to the pseudo-terminal, as long as it is there")
-                   ->type_name("PATH")
-                   ->group("Line");
+void add_options(Command& app, Line& line, EmulatorOptions& options) {
+  const Option link =
+      app.add_option("--link", line.link,
+                     "A symbolic link to the pseudo-terminal, as long as it is there")
+          .type("PATH")
+          .group("Line");
   app.add_option("--device", line.device,
                  "A tty instead of a pseudo-terminal, e.g. one end of a null modem cable; its rate "
                  "is set before, with stty")
-      ->type_name("PATH")
-      ->group("Line")
-      ->excludes(link);
+      .type("PATH")
+      .group("Line")
+      .excludes(link);
   app.add_option("--clock-offset-s", options.clock_offset_s,
                  "How far the device's clock is ahead of this host's at the start")
-      ->check(finite_within(-1e6, 1e6))
-      ->capture_default_str()
-      ->type_name("S")
-      ->group("Time");
+      .check(number_within(-1e6, 1e6))
+      .shows_default()
+      .type("S")
+      .group("Time");
   app.add_option("--clock-drift-ppm", options.clock_drift_ppm,
                  "How much faster it runs; the rig ticks by it")
-      ->check(finite_within(-1e5, 1e5))
-      ->capture_default_str()
-      ->type_name("PPM")
-      ->group("Time");
+      .check(number_within(-1e5, 1e5))
+      .shows_default()
+      .type("PPM")
+      .group("Time");
   app.add_option("--trouble", options.troubles,
                  "What goes wrong, from when, for how long [s]; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("KIND[@AT][+DURATION][=SHARE]")
-      ->group("Trouble");
+      .repeatable()
+      .type("KIND[@AT][+DURATION][=SHARE]")
+      .group("Trouble");
   app.add_flag("--from-stdin", options.from_stdin,
                "Take troubles from standard input too, one a line; without @AT: now")
-      ->group("Trouble");
+      .group("Trouble");
   app.add_option("--truth", options.truth, "What really happens, as CSV")
-      ->type_name("FILE")
-      ->group("Output");
+      .type("FILE")
+      .group("Output");
   app.add_option("--truth-period-s", options.truth_period_s,
                  "Time between two of its rows; default: every tick")
-      ->check(finite_within(0.0, 1e3))
-      ->type_name("S")
-      ->group("Output");
+      .check(number_within(0.0, 1e3))
+      .type("S")
+      .group("Output");
 }
 
 std::string footer() {
@@ -97,7 +98,7 @@ int run(const RigOptions& rig_options, const Line& line, const EmulatorOptions& 
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "A rig behind its line: a simulated plant with the firmware of a real one, on a "
       "pseudo-terminal, in real time. The hardware daemon owns it like any other.",
       "gyrotwin-rig_emulator");
@@ -106,6 +107,5 @@ int main(int argc, char** argv) {
   gyrotwin::Line line;
   gyrotwin::EmulatorOptions options;
   gyrotwin::add_options(app, line, options);
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(rig_options, line, options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(rig_options, line, options); });
 }

@@ -30,47 +30,47 @@ struct Options {
 };
 
 /// A repeatable option, one argument each.
-CLI::Option* add_list(CLI::App& app, const char* name, std::vector<std::string>& values,
-                      const char* help) {
-  return app.add_option(name, values, help)->allow_extra_args(false)->group("Inputs");
+Option add_list(Command& app, const char* name, std::vector<std::string>& values,
+                const char* help) {
+  return app.add_option(name, values, help).repeatable().group("Inputs");
 }
 
-void add_inputs(CLI::App& app, Options& options) {
+void add_inputs(Command& app, Options& options) {
   add_list(app, "--initial", options.initial,
            "Initial state instead of the rig file's, rad and rad/s: q=0.05,0,0,0,v=0,0,-5,0 or "
            "thx=0.05,phi_dot=-5; what is not said stays")
-      ->type_name("STATE");
+      .type("STATE");
   add_list(app, "--torque", options.torque,
            "Drive torques [N m] instead of a law: a formula in t and the CSV columns, one for each "
            "drive or COORDINATE=FORMULA, or a CSV file (t_s, then one column a drive)")
-      ->type_name("FORMULA|FILE");
+      .type("FORMULA|FILE");
   add_list(app, "--external", options.external,
            "What acts on the structure, world frame: a CSV file with t_s and any of fx_n fy_n fz_n "
            "(at the push point) mx_nm my_nm mz_nm, or formulas such as mx=2*sin(t)")
-      ->type_name("FILE|NAME=FORMULA");
+      .type("FILE|NAME=FORMULA");
   app.add_option("--scenario", options.scenario,
                  "Disturbances and faults at their times, as `gyrotwin disturb play` has them: a "
                  "scenario file, or the name of a shipped one; needs sampled feedback")
-      ->type_name("NAME|FILE")
-      ->group("Inputs");
+      .type("NAME|FILE")
+      .group("Inputs");
   add_list(app, "--event", options.events,
            "Another number for the scenario's N-th event: event1.impulse_nms=5, with the keys that "
            "its file has")
-      ->type_name("eventN.KEY=VALUE");
+      .type("eventN.KEY=VALUE");
 }
 
-void add_plant(CLI::App& app, Options& options) {
+void add_plant(Command& app, Options& options) {
   const auto word = [&app](const char* name, std::string& value, const std::string& help,
                            const std::vector<std::string>& words, const char* group) {
-    return app.add_option(name, value, help)->check(one_of(words))->group(group);
+    return app.add_option(name, value, help).check(one_of(words)).group(group);
   };
   word("--motor", options.motor,
        "off: drives that give any torque at any speed, without motor line and torque limit",
        {"on", "off"}, "Plant")
-      ->capture_default_str();
+      .shows_default();
   add_variation(app, options.variation);
-  app.get_option("--law")->group("Inputs");
-  for (const char* name : {"--mount", "--track"}) app.get_option(name)->group("Plant");
+  app.get_option("--law").group("Inputs");
+  for (const char* name : {"--mount", "--track"}) app.get_option(name).group("Plant");
   word(
       "--feedback", options.feedback,
       "sampled: torques once a tick, held over it, with fixed steps the same bits as a live system "
@@ -83,26 +83,26 @@ void add_plant(CLI::App& app, Options& options) {
        stepper_words(), "Time");
 }
 
-void add_output(CLI::App& app, Options& options) {
+void add_output(Command& app, Options& options) {
   app.add_option("--duration", options.duration,
                  "How long [s], whole ticks where time goes in ticks; there is a row at its end")
-      ->check(finite_within(kShortest, kLongest))
-      ->capture_default_str()
-      ->type_name("S")
-      ->group("Time");
+      .check(number_within(kShortest, kLongest))
+      .shows_default()
+      .type("S")
+      .group("Time");
   app.add_option("--sample", options.sample,
                  "Time between rows [s], whole ticks where time goes in ticks; default 0.01")
-      ->check(finite_within(kShortest, kLongest))
-      ->type_name("S")
-      ->group("Time");
+      .check(number_within(kShortest, kLongest))
+      .type("S")
+      .group("Time");
   app.add_option("--output", options.output, "Where the CSV goes; -: standard output")
-      ->capture_default_str()
-      ->type_name("FILE")
-      ->group("Output");
+      .shows_default()
+      .type("FILE")
+      .group("Output");
   app.add_flag("--extra", options.extra,
                "More columns: drive torques, rotor speeds, tilt, contact and load cell forces, "
                "holding moment, energies; what STATE says where it is an estimate")
-      ->group("Output");
+      .group("Output");
 }
 
 Rig load_rig(RigOptions& rig_options, const Options& options) {
@@ -277,7 +277,7 @@ std::string footer() {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Simulates a rig offline, faster than real time, and writes its motion as CSV: t_s, the "
       "coordinates [rad], their rates [rad/s].",
       "gyrotwin-simulate");
@@ -287,6 +287,5 @@ int main(int argc, char** argv) {
   gyrotwin::add_inputs(app, options);
   gyrotwin::add_plant(app, options);
   gyrotwin::add_output(app, options);
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(rig_options, options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(rig_options, options); });
 }

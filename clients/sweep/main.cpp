@@ -40,46 +40,46 @@ struct Options {
   int workers = 0;
 };
 
-void add_what(CLI::App& app, Options& options) {
+void add_what(Command& app, Options& options) {
   app.add_option("--vary", options.vary,
                  "A key and its values, again for every key: a rig key (table.key), start.NAME or "
                  "start.NAME_dot for the initial state, eventN.KEY for the scenario's N-th event")
-      ->allow_extra_args(false)
-      ->required()
-      ->type_name("KEY=VALUES");
+      .repeatable()
+      .required()
+      .type("KEY=VALUES");
   app.add_option("--runs", options.runs,
                  "How many runs for every combination of listed values; default 1, or 200 where "
                  "something is drawn")
-      ->check(CLI::Range(1, 1'000'000'000))
-      ->type_name("N");
+      .check(whole_within(1, 1'000'000'000))
+      .type("N");
   app.add_option("--seed", options.seed, "Of what is drawn: the same seed, the same sweep")
-      ->check(CLI::Range(0, 999'999))
-      ->capture_default_str()
-      ->type_name("N");
+      .check(whole_within(0, 999'999))
+      .shows_default()
+      .type("N");
   app.add_option("--duration", options.duration, "How long each run lasts, at most to its fall [s]")
-      ->check(finite_within(1e-3, 1e6))
-      ->capture_default_str()
-      ->type_name("S");
+      .check(number_within(1e-3, 1e6))
+      .shows_default()
+      .type("S");
   app.add_option("--scenario", options.scenario,
                  "Disturbances and faults at their times: a scenario file, or the name of a "
                  "shipped one")
-      ->type_name("NAME|FILE");
+      .type("NAME|FILE");
 }
 
-void add_how(CLI::App& app, Options& options) {
+void add_how(Command& app, Options& options) {
   add_variation(app, options.variation);
   app.add_option("--stepper", options.stepper, kStepperHelp)
-      ->check(one_of(stepper_words()))
-      ->capture_default_str();
+      .check(one_of(stepper_words()))
+      .shows_default();
   app.add_option("--workers", options.workers,
                  "How many processes do the runs; default: one a processor. Under mpirun its -n "
                  "says it, less one that gives out the work")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
+      .check(whole_within(1, 1024))
+      .type("N");
   app.add_option("--output", options.output,
                  "Folder for runs.csv, summary.html and sweep.json; default sweep-RIG. One that "
                  "holds the same sweep, unfinished, is gone on with")
-      ->type_name("FOLDER");
+      .type("FOLDER");
 }
 
 Plan plan_of(const Options& options) {
@@ -247,7 +247,7 @@ std::string footer() {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Runs a rig again and again with other numbers, other starts, other disturbances, and says "
       "which of them stand.",
       "gyrotwin-sweep");
@@ -256,6 +256,5 @@ int main(int argc, char** argv) {
   gyrotwin::Options options;
   gyrotwin::add_what(app, options);
   gyrotwin::add_how(app, options);
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(rig_options, options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(rig_options, options); });
 }

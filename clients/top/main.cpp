@@ -135,7 +135,7 @@ int run(const RigOptions& rig_options, const Options& options) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app("Shows how a rig is, live. Only listens.", "gyrotwin-top");
+  gyrotwin::CommandLine app("Shows how a rig is, live. Only listens.", "gyrotwin-top");
   app.footer(
       "On a terminal a full screen, q or Ctrl-C leave it; elsewhere a block of text a second.\n"
       "Colours follow NO_COLOR, bars the locale.\n"
@@ -146,19 +146,19 @@ int main(int argc, char** argv) {
   const gyrotwin::RigOptions rig_options(app);
   gyrotwin::Options options;
   app.add_flag("--json", options.json, "One JSON object a line, for programs");
-  const auto* interval =
+  const gyrotwin::Option interval =
       app.add_option("--interval", options.interval_s,
                      "Text or JSON: wall time between two [s]; gives text on a terminal too")
-          ->type_name("S")
-          ->capture_default_str()
-          ->check(gyrotwin::finite_within(0.01, gyrotwin::kDay).description(""));
-  const auto* count =
+          .type("S")
+          .shows_default()
+          .check(gyrotwin::number_within(0.01, gyrotwin::kDay).untold());
+  const gyrotwin::Option count =
       app.add_option("--count", options.count,
                      "Text or JSON: end after so many; 0: never; gives text on a terminal too")
-          ->type_name("N")
-          ->check(gyrotwin::finite_within(0.0, 1e15).description(""));
-  return gyrotwin::run_program(argc, argv, app, [&] {
-    options.plain = interval->count() + count->count() > 0;
+          .type("N")
+          .check(gyrotwin::whole_within(0.0, 1e15).untold());
+  return app.run(argc, argv, [&] {
+    options.plain = interval.given() || count.given();
     return run(rig_options, options);
   });
 }

@@ -32,7 +32,7 @@ int run(const RigOptions& options, const std::string& on) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Answers every STATE of the rig's owner with the COMMAND of the law that the rig file names.",
       "gyrotwin-controller");
   const gyrotwin::RigOptions options(app);
@@ -40,8 +40,8 @@ int main(int argc, char** argv) {
   app.add_option("--on", on,
                  "Whose STATE it answers: live, the owner's, or twin, what the mirror makes of "
                  "SENSORS; when the twin falls silent, no commands are given")
-      ->check(gyrotwin::one_of({"live", "twin"}).description(""))
-      ->type_name("live|twin")
-      ->capture_default_str();
-  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options, on); });
+      .check(gyrotwin::one_of({"live", "twin"}).untold())
+      .type("live|twin")
+      .shows_default();
+  return app.run(argc, argv, [&] { return gyrotwin::run(options, on); });
 }

@@ -84,7 +84,7 @@ int run(const RigOptions& rig_options, const Words& words) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Shows a rig in a browser, and speaks with Foxglove, Lichtblick, PlotJuggler and Prometheus. "
       "Who has the operator's address can push it.",
       "gyrotwin-gateway");
@@ -94,16 +94,16 @@ int main(int argc, char** argv) {
          "--listen", words.listen,
          "Where; default 127.0.0.1 and 8764 + rig.id. 0.0.0.0 is for other hosts, which need "
          "a token")
-      ->type_name("ADDRESS:PORT");
+      .type("ADDRESS:PORT");
   app.add_flag("--urls", words.urls, "Only print the addresses of operators and observers");
   app.add_option("--allow-origin", words.origins,
                  "A foreign page that may connect, e.g. https://app.foxglove.dev")
-      ->type_name("ORIGIN");
+      .type("ORIGIN");
   app.add_flag("--allow-programs", words.any_program,
                "Programs on other hosts may connect too, with a token");
   app.add_option("--recordings", words.recordings,
                  "Folder of the recordings made from the page; default ~/.local/share/gyrotwin")
-      ->type_name("FOLDER");
-  app.add_option("--page", words.page, "Folder of the built page")->type_name("FOLDER");
-  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options, words); });
+      .type("FOLDER");
+  app.add_option("--page", words.page, "Folder of the built page").type("FOLDER");
+  return app.run(argc, argv, [&] { return gyrotwin::run(options, words); });
 }

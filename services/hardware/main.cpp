@@ -34,15 +34,14 @@ int run(RigOptions& options, const std::string& device, const std::string& baud)
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Owns a real plant: its device's SENSORS become STATE, COMMAND goes down the line, REQUEST "
       "is answered. Starts HELD, drives off; `gyrotwin ctl arm` lets go.",
       "gyrotwin-hardware");
   gyrotwin::RigOptions options(app);
   std::string device, baud;
   app.add_option("--device", device, "Terminal of the device; short for --set hardware.device=")
-      ->type_name("PATH");
-  app.add_option("--baud", baud, "Rate of a UART; short for --set hardware.baud=")->type_name("N");
-  return gyrotwin::run_program(argc, argv, app,
-                               [&] { return gyrotwin::run(options, device, baud); });
+      .type("PATH");
+  app.add_option("--baud", baud, "Rate of a UART; short for --set hardware.baud=").type("N");
+  return app.run(argc, argv, [&] { return gyrotwin::run(options, device, baud); });
 }

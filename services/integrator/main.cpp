@@ -44,10 +44,10 @@ int run(const RigOptions& options) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Owns a simulated plant: publishes its STATE at the rig's rate, obeys COMMAND and answers "
       "REQUEST. Starts HELD; `gyrotwin ctl arm` lets go.",
       "gyrotwin-integrator");
   const gyrotwin::RigOptions options(app);
-  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(options); });
 }

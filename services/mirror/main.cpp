@@ -27,10 +27,10 @@ int run(const RigOptions& options) {
 }  // namespace gyrotwin
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  gyrotwin::CommandLine app(
       "Follows a live rig with a model of it: says where it is, whether it does what the model "
       "does and who is to blame if not, and whether it is about to fall.",
       "gyrotwin-mirror");
   const gyrotwin::RigOptions options(app);
-  return gyrotwin::run_program(argc, argv, app, [&] { return gyrotwin::run(options); });
+  return app.run(argc, argv, [&] { return gyrotwin::run(options); });
 }

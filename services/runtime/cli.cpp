@@ -1,9 +1,13 @@
 #include "services/runtime/cli.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -57,9 +61,196 @@ std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   return (extra ? "not expected: " + list : error.what()) + did_you_mean(meant);
 }
 
+std::string range_text(double low, double high) {
+  const auto plain = [](double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", x);
+    return std::string(text);
+  };
+  return plain(low) + " to " + plain(high);
+}
+
 }  // namespace
 
-RigOptions::RigOptions(CLI::App& app) {
+Check number(std::function<bool(double)> allows, const std::string& what) {
+  return {[allows = std::move(allows), what](const std::string& text) {
+            double x = 0.0;
+            const bool right = CLI::detail::lexical_cast(text, x) && std::isfinite(x) && allows(x);
+            return right ? std::string() : '`' + text + "` is no " + what;
+          },
+          ""};
+}
+
+Check number_within(double low, double high) {
+  const std::string range = range_text(low, high);
+  Check check = number([=](double x) { return x >= low && x <= high; }, "number from " + range);
+  check.allowed = "in " + range;
+  return check;
+}
+
+Check whole_within(double low, double high) {
+  const std::string range = range_text(low, high);
+  Check check = number([=](double x) { return x >= low && x <= high && x == std::round(x); },
+                       "whole number from " + range);
+  check.allowed = "in " + range;
+  return check;
+}
+
+Check one_of(std::vector<std::string> words) {
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return {[words = std::move(words), list](const std::string& text) -> std::string {
+            if (std::find(words.begin(), words.end(), text) != words.end()) return {};
+            const std::vector<std::string_view> names(words.begin(), words.end());
+            return '`' + text + "` is not one of " + list + did_you_mean(nearest(text, names));
+          },
+          '{' + list + '}'};
+}
+
+Option& Option::type(const std::string& name) {
+  option_->type_name(name);
+  return *this;
+}
+
+Option& Option::check(Check check) {
+  option_->check(
+      CLI::Validator([fault = std::move(check.fault)](std::string& text) { return fault(text); },
+                     std::move(check.allowed)));
+  return *this;
+}
+
+Option& Option::required(bool is) {
+  option_->required(is);
+  return *this;
+}
+
+Option& Option::repeatable() {
+  option_->allow_extra_args(false);
+  return *this;
+}
+
+Option& Option::values(int count) {
+  option_->expected(count);
+  return *this;
+}
+
+Option& Option::separated_by(char comma) {
+  option_->delimiter(comma);
+  return *this;
+}
+
+Option& Option::shows_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+Option& Option::group(const std::string& name) {
+  option_->group(name);
+  return *this;
+}
+
+Option& Option::excludes(const Option& other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+bool Option::given() const { return option_->count() > 0; }
+
+template <class T>
+Option Command::add_option(const std::string& names, T& value, const std::string& help) {
+  return Option(app_->add_option(names, value, help));
+}
+template Option Command::add_option(const std::string&, std::string&, const std::string&);
+template Option Command::add_option(const std::string&, std::filesystem::path&, const std::string&);
+template Option Command::add_option(const std::string&, int&, const std::string&);
+template Option Command::add_option(const std::string&, std::int64_t&, const std::string&);
+template Option Command::add_option(const std::string&, std::uint64_t&, const std::string&);
+template Option Command::add_option(const std::string&, double&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<std::string>&,
+                                    const std::string&);
+
+Option Command::add_number(const std::string& names, std::function<void(double)> take,
+                           const std::string& help) {
+  return Option(app_->add_option_function<double>(names, std::move(take), help));
+}
+
+Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
+  return Option(app_->add_flag(names, value, help));
+}
+
+Option Command::add_flag(const std::string& names, std::function<void()> take,
+                         const std::string& help) {
+  return Option(app_->add_flag_callback(names, std::move(take), help));
+}
+
+Command Command::add_subcommand(std::string_view name, std::string_view help) {
+  app_->require_subcommand(0, 1);
+  return Command(app_->add_subcommand(std::string(name), std::string(help)));
+}
+
+void Command::alias(const std::string& name) { app_->alias(name); }
+
+Option Command::get_option(const std::string& name) { return Option(app_->get_option(name)); }
+
+bool Command::given() const { return app_->parsed(); }
+
+std::string Command::given_subcommand() const {
+  const auto given = app_->get_subcommands();
+  return given.empty() ? "" : given.front()->get_name();
+}
+
+CommandLine::CommandLine(const std::string& description, const std::string& program)
+    : Command(nullptr), owned_(std::make_unique<CLI::App>(description, program)) {
+  app_ = owned_.get();
+  app_->set_version_flag("--version", program + " " GYROTWIN_VERSION);
+}
+
+CommandLine::CommandLine(CommandLine&&) noexcept = default;
+CommandLine::~CommandLine() = default;
+
+void CommandLine::footer(const std::string& text) { app_->footer(text); }
+
+std::string CommandLine::manual() const { return gyrotwin::manual(*app_, GYROTWIN_VERSION); }
+
+std::string CommandLine::completion_words() const { return gyrotwin::completion_words(*app_); }
+
+int CommandLine::run(int argc, char** argv, const std::function<int()>& body) {
+  // Not for users: from these the build makes man pages and completion.
+  if (argc == 2 && std::string_view(argv[1]) == "--print-manual") {
+    std::fputs(manual().c_str(), stdout);
+    return kDone;
+  }
+  if (argc == 2 && std::string_view(argv[1]) == "--print-words") {
+    std::fputs(completion_words().c_str(), stdout);
+    return kDone;
+  }
+  const std::string hint = "\n`" + app_->get_name() + " --help` shows what can be given";
+  try {
+    app_->parse(argc, argv);
+    return body();
+  } catch (const CLI::Success& answered) {
+    return app_->exit(answered);  // prints help or version
+  } catch (const CLI::ParseError& error) {
+    complain(*app_, explained(*app_, error) + hint);
+    return kUsage;
+  } catch (const UsageError& error) {
+    complain(*app_, error.what() + hint);
+    return kUsage;
+  } catch (const NotReady& error) {
+    complain(*app_, error.what());
+    return kNotReady;
+  } catch (const Error& error) {
+    complain(*app_, error.what());
+    return kUsage;
+  } catch (const std::exception& error) {
+    complain(*app_, error.what());
+    return kNotDone;
+  }
+}
+
+RigOptions::RigOptions(Command& command) {
+  CLI::App& app = *command.app_;
   app.fallthrough();  // subcommands inherit it
   app.add_option("--rig", rig_, "Rig file, or the name of a shipped rig")
       ->envname("GYROTWIN_RIG")
@@ -87,67 +278,6 @@ Rig RigOptions::load() const {
   // As CLI11 does it for --help and --version.
   if (print_ || check_) throw CLI::Success();
   return rig;
-}
-
-CLI::Validator finite_within(double low, double high) {
-  const auto plain = [](double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", x);
-    return std::string(text);
-  };
-  const std::string range = plain(low) + " to " + plain(high);
-  return CLI::Validator(
-      [=](std::string& text) {
-        double x = 0.0;
-        const bool right =
-            CLI::detail::lexical_cast(text, x) && std::isfinite(x) && x >= low && x <= high;
-        return right ? std::string() : '`' + text + "` is no number from " + range;
-      },
-      "in " + range);
-}
-
-CLI::Validator one_of(std::vector<std::string> words) {
-  std::string list;
-  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return CLI::Validator(
-      [words = std::move(words), list](std::string& text) -> std::string {
-        if (std::find(words.begin(), words.end(), text) != words.end()) return {};
-        const std::vector<std::string_view> names(words.begin(), words.end());
-        return '`' + text + "` is not one of " + list + did_you_mean(nearest(text, names));
-      },
-      '{' + list + '}');
-}
-
-int run_program(int argc, char** argv, CLI::App& app, const std::function<int()>& body) {
-  app.set_version_flag("--version", app.get_name() + " " GYROTWIN_VERSION);
-  // Not for users: from these the build makes man pages and completion.
-  if (argc == 2 && std::string_view(argv[1]) == "--print-manual") {
-    std::fputs(manual(app, GYROTWIN_VERSION).c_str(), stdout);
-    return kDone;
-  }
-  if (argc == 2 && std::string_view(argv[1]) == "--print-words") {
-    std::fputs(completion_words(app).c_str(), stdout);
-    return kDone;
-  }
-  try {
-    app.parse(argc, argv);
-    return body();
-  } catch (const CLI::Success& answered) {
-    return app.exit(answered);  // prints help or version
-  } catch (const CLI::ParseError& error) {
-    complain(app,
-             explained(app, error) + "\n`" + app.get_name() + " --help` shows what can be given");
-    return kUsage;
-  } catch (const NotReady& error) {
-    complain(app, error.what());
-    return kNotReady;
-  } catch (const Error& error) {
-    complain(app, error.what());
-    return kUsage;
-  } catch (const std::exception& error) {
-    complain(app, error.what());
-    return kNotDone;
-  }
 }
 
 }  // namespace gyrotwin

@@ -1,15 +1,18 @@
 // Man page and completion of a program, from its own description of its command line.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <string_view>
 
+namespace CLI {
+class App;
+}
+
 namespace gyrotwin {
 
-/// What run_program() (cli.hpp) prints for --print-manual: the man page, in troff's man macros:
-/// name, synopsis, description, every option, every subcommand with its options, and the app's
-/// footer, of which what begins with "Example" becomes the examples.
+/// What CommandLine::run() (cli.hpp) prints for --print-manual: the man page, in troff's man
+/// macros: name, synopsis, description, every option, every subcommand with its options, and the
+/// app's footer, of which what begins with "Example" becomes the examples.
 std::string manual(const CLI::App& app, std::string_view version);
 
 /// And for --print-words: what may be typed, one context a line, "gyrotwin-ctl wait<TAB>--timeout=S

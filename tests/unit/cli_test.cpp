@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "services/runtime/error.hpp"
-#include "services/runtime/manual.hpp"
 
 namespace gyrotwin {
 namespace {
@@ -21,26 +20,27 @@ struct Outcome {
 
 /// Runs a small program with options, subcommands and the rig's options.
 Outcome run(std::vector<std::string> arguments, const std::function<int(const Rig&)>& body) {
-  CLI::App app("A program to try options with", "gyrotwin-trial");
+  CommandLine app("A program to try options with", "gyrotwin-trial");
   const RigOptions rig(app);
   double speed = 1.0;
-  app.add_option("--speed", speed, "Speed")->check(finite_within(0.01, 100.0));
+  app.add_option("--speed", speed, "Speed").check(number_within(0.01, 100.0));
   std::string drive = "torque";
-  app.add_option("--drive", drive, "Kind of drive")->check(one_of({"torque", "voltage"}));
+  app.add_option("--drive", drive, "Kind of drive").check(one_of({"torque", "voltage"}));
   app.add_subcommand("arm", "A verb");
-  CLI::App* fault = app.add_subcommand("fault", "A verb with verbs of its own");
-  fault->require_subcommand(0, 1);
-  fault->add_subcommand("sensor", "A verb's verb");
-  fault->add_subcommand("drive", "Another")->add_flag("--weak");
-  fault->add_subcommand("step", "One with a duty")->add_option("--roll")->required();
+  Command fault = app.add_subcommand("fault", "A verb with verbs of its own");
+  fault.add_subcommand("sensor", "A verb's verb");
+  bool weak = false;
+  fault.add_subcommand("drive", "Another").add_flag("--weak", weak, "");
+  double roll = 0.0;
+  fault.add_subcommand("step", "One with a duty").add_option("--roll", roll, "").required();
   arguments.insert(arguments.begin(), "gyrotwin-trial");
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
 
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
-  const int code = run_program(static_cast<int>(argv.size()), argv.data(), app,
-                               [&] { return body(rig.load()); });
+  const int code =
+      app.run(static_cast<int>(argv.size()), argv.data(), [&] { return body(rig.load()); });
   return {code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
 }
 
@@ -224,9 +224,9 @@ TEST(Manual, HasEveryOptionSubcommandAndDefault) {
 }
 
 TEST(Manual, WhatTroffWouldTakeForItsOwnIsEscaped) {
-  CLI::App app("Knows `C:\\n` and 5\" - don't.", "gyrotwin-trial");
+  CommandLine app("Knows `C:\\n` and 5\" - don't.", "gyrotwin-trial");
   app.footer("Notes.\n.so /etc/passwd\nExamples:\n  gyrotwin trial --x");
-  const std::string page = manual(app, "1");
+  const std::string page = app.manual();
   EXPECT_NE(page.find("Knows \\(gaC:\\en\\(ga and 5\\(dq \\- don\\(aqt."), std::string::npos)
       << page;
   EXPECT_NE(page.find("\n\\&.so /etc/passwd\n"), std::string::npos) << page;
@@ -237,9 +237,11 @@ TEST(Manual, WhatTroffWouldTakeForItsOwnIsEscaped) {
 TEST(Words, OfEachContextOnALine) {
   const std::string words = run({"--print-words"}).out;
   const std::string rig = "--rig=NAME|FILE --set=KEY=VALUE --check-config --print-config";
-  EXPECT_EQ(words.find("gyrotwin-trial\tarm fault --help " + rig + " --speed=FLOAT "), 0U) << words;
+  EXPECT_EQ(words.find("gyrotwin-trial\tarm fault --help --version " + rig + " --speed=FLOAT "), 0U)
+      << words;
   // What falls through from a subcommand stands there too.
-  EXPECT_NE(words.find("\ngyrotwin-trial fault drive\t--weak --help " + rig), std::string::npos)
+  EXPECT_NE(words.find("\ngyrotwin-trial fault drive\t--weak --help --version " + rig),
+            std::string::npos)
       << words;
 }
 

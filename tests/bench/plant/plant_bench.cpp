@@ -11,26 +11,26 @@
 
 int main(int argc, char** argv) {
   using namespace gyrotwin;
-  CLI::App app("The plant's accelerations and ticks beside MuJoCo, DART and Simbody.",
-               "plant_bench");
+  gyrotwin::CommandLine app("The plant's accelerations and ticks beside MuJoCo, DART and Simbody.",
+                            "plant_bench");
   double seconds = 1.0;
-  app.add_option("--seconds", seconds, "of each case")->check(finite_within(0.01, 1000.0));
+  app.add_option("--seconds", seconds, "of each case").check(number_within(0.01, 1000.0));
   std::vector<std::string> only{"acceleration", "tick", "arithmetic"};
-  app.add_option("--only", only, "figures")->delimiter(',')->check(one_of(only));
+  app.add_option("--only", only, "figures").separated_by(',').check(one_of(only));
   std::vector<std::string> rigs = bench::contest_rigs();
   app.add_option("--rigs", rigs, "of those that are measured")
-      ->delimiter(',')
-      ->check(one_of(bench::contest_rigs()));
+      .separated_by(',')
+      .check(one_of(bench::contest_rigs()));
   bool instructions = false, under_callgrind = false, alone = false;
   app.add_flag("--instructions", instructions,
                "count the instructions of accelerations instead, by valgrind");
-  app.add_flag("--under-callgrind", under_callgrind, "what --instructions runs")->group("");
-  app.add_flag("--alone-under-callgrind", alone, "the same without peers")->group("");
+  app.add_flag("--under-callgrind", under_callgrind, "what --instructions runs").group("");
+  app.add_flag("--alone-under-callgrind", alone, "the same without peers").group("");
 
   const auto among = [](const std::vector<std::string>& chosen, const std::string& name) {
     return std::find(chosen.begin(), chosen.end(), name) != chosen.end();
   };
-  return run_program(argc, argv, app, [&] {
+  return app.run(argc, argv, [&] {
     if (under_callgrind || alone) {
       bench::pass_under_callgrind(rigs, !alone);
       return kDone;
