@@ -5,10 +5,12 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <regex>
+#include <optional>
 #include <sstream>
+#include <system_error>
 
 #include "services/integrator/schedule.hpp"
 #include "services/runtime/error.hpp"
@@ -32,6 +34,26 @@ std::optional<double> number_in(const toml::node& node) {
   if (node.is_integer()) return static_cast<double>(node.as_integer()->get());
   if (node.is_floating_point()) return node.as_floating_point()->get();
   return std::nullopt;
+}
+
+/// What `eventN.key=value` says.
+struct Change {
+  std::size_t event;  ///< counted from 1
+  std::string key, value;
+};
+
+/// Nothing where the text has another form.
+std::optional<Change> change_of(std::string_view text) {
+  constexpr std::string_view kEvent = "event";
+  const auto dot = text.find('.'), equals = text.find('=');
+  if (!text.starts_with(kEvent) || equals == text.npos || dot > equals) return std::nullopt;
+  const std::string_view digits = text.substr(0, dot).substr(kEvent.size());
+  Change change{0, std::string(text.substr(dot + 1, equals - dot - 1)),
+                std::string(text.substr(equals + 1))};
+  const auto [end, fault] = std::from_chars(digits.begin(), digits.end(), change.event);
+  const bool right =
+      fault == std::errc() && end == digits.end() && !change.key.empty() && !change.value.empty();
+  return right ? std::optional(change) : std::nullopt;
 }
 
 /// Collects mistakes with their places.
@@ -84,24 +106,22 @@ class ScenarioReader {
 
   /// `eventN.key=value` on top of the file.
   void apply(const std::string& text, toml::table& file) {
-    static const std::regex kForm(R"(event(\d{1,3})\.([A-Za-z0-9_]+)=(.+))");
-    std::smatch parts;
-    if (!std::regex_match(text, parts, kForm)) {
+    const auto change = change_of(text);
+    if (!change) {
       return note({}, fmt::format("`{}` changes nothing; expected eventN.key=value", text));
     }
     const toml::array* list = file["event"].as_array();
     const auto count = list == nullptr ? 0 : list->size();
-    const auto number = std::stoul(parts[1]);
-    if (number < 1 || number > count) {
+    if (change->event < 1 || change->event > count) {
       return note({}, fmt::format("`{}`: there are {} events, counted from 1", text, count));
     }
-    toml::table* event = file["event"][number - 1].as_table();
+    toml::table* event = file["event"][change->event - 1].as_table();
     if (event == nullptr) return;  // told when it is read
     try {
-      const toml::table value = toml::parse(fmt::format("value = {}", parts[3].str()));
-      event->insert_or_assign(parts[2].str(), *value.get("value"));
+      const toml::table value = toml::parse(fmt::format("value = {}", change->value));
+      event->insert_or_assign(change->key, *value.get("value"));
     } catch (const toml::parse_error&) {
-      event->insert_or_assign(parts[2].str(), parts[3].str());
+      event->insert_or_assign(change->key, change->value);
     }
   }
 

@@ -4,7 +4,6 @@
 
 #include <csignal>
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -112,11 +111,15 @@ TEST_F(SweepProgram, GoesOnAfterAKill) {
 TEST_F(SweepProgram, TellsHowToSeeARunAgain) {
   ASSERT_EQ(run(sweep("again", kQuestion)), 0) << output_;
   const std::string page = file("again/summary.html");
-  static const std::regex kRow("<td class='n'>(\\d+)</td><td>gyrotwin simulate ([^<]*)</td>");
-  std::smatch found;
-  ASSERT_TRUE(std::regex_search(page, found, kRow));
-  const std::size_t index = std::stoul(found[1]);
-  const std::string arguments = std::regex_replace(found[2].str(), std::regex("&#39;"), "'");
+  const std::string before = "</td><td>gyrotwin simulate ";
+  const std::size_t at = page.find(before);
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t index = std::stoul(page.substr(page.rfind('>', at) + 1));
+  const std::size_t begin = at + before.size();
+  std::string arguments = page.substr(begin, page.find('<', begin) - begin);
+  for (const std::string quote = "&#39;"; arguments.find(quote) != std::string::npos;) {
+    arguments.replace(arguments.find(quote), quote.size(), "'");
+  }
   const fs::path csv = home_ / "again.csv";
   ASSERT_EQ(run({"/bin/sh", "-c",
                  GYROTWIN_BIN "/gyrotwin-simulate " + arguments +

@@ -13,11 +13,14 @@ namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 
-std::vector<PlannedEvent> read(const std::string& text) { return read_scenario(text, "s.toml"); }
+std::vector<PlannedEvent> read(const std::string& text,
+                               const std::vector<std::string>& overrides = {}) {
+  return read_scenario(text, "s.toml", overrides);
+}
 
-std::string mistakes(const std::string& text) {
+std::string mistakes(const std::string& text, const std::vector<std::string>& overrides = {}) {
   try {
-    read(text);
+    read(text, overrides);
   } catch (const Error& error) {
     return error.what();
   }
@@ -127,6 +130,32 @@ TEST(ScenarioFile, TellsEachKindOfMistake) {
   contains("[[event]]\nkind = \"gust\"\nat_s = 1\nroll_nm = 1\nseed = 1.5",
            "`seed` is 1.5, expected an integer");
   contains("[[event]]\nkind = \"ramp\"\nat_s = 1\nroll_nm = 1", "ramp: `rise_s` is missing");
+}
+
+TEST(ScenarioFile, TakesOtherValues) {
+  const std::string text = "[[event]]\nkind = \"step\"\nat_s = 1\nroll_nm = 5\n";
+  const auto events = read(
+      text, {"event1.roll_nm=-2.5", "event1.at_s=0.5", "event1.at_s=2", "event1.duration_s=1"});
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].at_s, 2.0);
+  double roll = 0.0;
+  for (const auto& [quantity, value] : events[0].event.values) {
+    if (quantity->unit.symbol == "N m") roll = value;
+  }
+  EXPECT_EQ(roll, -2.5);
+
+  for (const std::string form :
+       {"roll_nm=1", "event.roll_nm=1", "event1.roll_nm", "event1=2.0", "event1.=2",
+        "event1.roll_nm=", "events1.roll_nm=1", "event-1.roll_nm=1", "event1x.roll_nm=1", ""}) {
+    EXPECT_NE(
+        mistakes(text, {form}).find("`" + form + "` changes nothing; expected eventN.key=value"),
+        std::string::npos)
+        << form;
+  }
+  for (const std::string number : {"0", "2", "99999999999"}) {
+    EXPECT_NE(mistakes(text, {"event" + number + ".roll_nm=1"}), "none") << number;
+  }
+  EXPECT_NE(mistakes(text, {"event1.rol_nm=1"}).find("did you mean `roll_nm`?"), std::string::npos);
 }
 
 TEST(ScenarioFile, HoldsAsManyEventsAsAnOwner) {

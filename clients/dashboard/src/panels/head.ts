@@ -8,11 +8,11 @@ import {forecastOf, outlook} from './twin';
 
 const byId = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
-const LATE = 3;  // from which on it must not be overlooked [s]
+const BANNER_FROM = 3;  // what is late by more must not be overlooked [s]
 
 /** What is wrong with the data, old or late, in words; '': nothing. */
 export function troubleWords(live: Live): string {
-  if (!live.stale) return live.late > LATE ? `This browser or its line is too slow: what is shown comes ${live.late.toFixed(0)} s late, with gaps.` : '';
+  if (!live.stale) return live.late > BANNER_FROM ? `This browser or its line is too slow: what is shown comes ${live.late.toFixed(0)} s late, with gaps.` : '';
   if (!live.connected) {
     return live.everConnected ? 'The connection to the gateway is lost; trying again. What is shown is old.' : 'Connecting to the gateway…';
   }
