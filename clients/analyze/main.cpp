@@ -1,6 +1,7 @@
 // gyrotwin-analyze: does a rig stand, by how much, and why.
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>

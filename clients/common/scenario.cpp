@@ -50,9 +50,10 @@ std::optional<Change> change_of(std::string_view text) {
   const std::string_view digits = text.substr(0, dot).substr(kEvent.size());
   Change change{0, std::string(text.substr(dot + 1, equals - dot - 1)),
                 std::string(text.substr(equals + 1))};
-  const auto [end, fault] = std::from_chars(digits.begin(), digits.end(), change.event);
-  const bool right =
-      fault == std::errc() && end == digits.end() && !change.key.empty() && !change.value.empty();
+  const char* const last = digits.data() + digits.size();
+  const auto [end, fault] = std::from_chars(digits.data(), last, change.event);
+  const bool right = fault == std::errc() && end == last && !change.key.empty() &&
+                     !change.value.empty() && text.find('\n') == text.npos;
   return right ? std::optional(change) : std::nullopt;
 }
 

@@ -1,5 +1,7 @@
 // gyrotwin-ctl: asks the owner of a rig, and shows how it is.
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 
@@ -17,7 +19,7 @@ namespace gyrotwin {
 namespace {
 
 constexpr double kDay = 86400.0;  // [s]
-constexpr double kMostTicks = 1e15;
+constexpr std::int64_t kMostTicks = 1'000'000'000'000'000;
 
 /// What the command line says.
 struct Options {
@@ -37,12 +39,12 @@ std::int64_t nanoseconds(double seconds) { return std::llround(1e9 * seconds); }
 
 void add_verbs(Command& app, Options& options) {
   for (const Verb& verb : kVerbs) {
-    Command sub = app.add_subcommand(std::string(verb.name), std::string(verb.summary));
+    Command sub = app.add_subcommand(verb.name, verb.summary);
     if (verb.verb == request_t::STEP) {
       sub.add_option("ticks", options.ticks, "How many")
           .required()
           .type("N")
-          .check(whole_within(1.0, kMostTicks).untold());
+          .check(whole_within(1, kMostTicks).untold());
     } else if (verb.verb == request_t::SPEED) {
       sub.add_option("factor", options.speed, "Simulated over wall time")
           .required()
@@ -51,7 +53,7 @@ void add_verbs(Command& app, Options& options) {
     } else if (verb.verb == request_t::ROTORS) {
       sub.add_option("direction", options.rotors, "spin-up or spin-down")
           .required()
-          .type("WHAT")
+          .type("DIRECTION")
           .check(one_of({"spin-up", "spin-down"}).untold());
     } else if (verb.verb == request_t::RESET) {
       sub.add_option("--initial", options.initial,

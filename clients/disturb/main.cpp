@@ -1,7 +1,10 @@
 // gyrotwin-disturb: disturbs the platform and breaks parts of it, and tells what came of it.
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "clients/common/asker.hpp"
@@ -19,7 +22,7 @@ namespace {
 
 constexpr double kShownOnTerminal = 3.0;        // [s]
 constexpr std::int64_t kStill = 2'000'000'000;  // without a tick: time stands still [ns]
-constexpr double kMostNumbers = 1e15;
+constexpr std::int64_t kMostNumbers = 1'000'000'000'000'000;
 
 /// Prints what followed. @return its exit code
 int watch(Asker& asker, const reply_t& reply, std::int64_t tick_ns, double span_s) {
@@ -89,13 +92,13 @@ int main(int argc, char** argv) {
       "  gyrotwin disturb rotor 2 --watch 10\n"
       "  gyrotwin disturb play push_and_gust");
   const gyrotwin::RigOptions rig_options(app);
-  gyrotwin::EventOptions options(app);
+  const gyrotwin::EventOptions options(app);
   std::int64_t id = 0;
   gyrotwin::Command cancel = app.add_subcommand("cancel", "End one, or keep it from beginning");
   cancel.add_option("number", id, "Of the disturbance or fault, from its answer")
       .required()
       .type("N")
-      .check(gyrotwin::whole_within(1.0, gyrotwin::kMostNumbers).untold());
+      .check(gyrotwin::whole_within(1, gyrotwin::kMostNumbers).untold());
   gyrotwin::Command clear = app.add_subcommand("clear", "End all, also those to come");
   std::string scenario;
   gyrotwin::Command play = app.add_subcommand(
@@ -108,13 +111,13 @@ int main(int argc, char** argv) {
     const gyrotwin::Rig rig = rig_options.load();
     const auto planned =
         play.given() ? gyrotwin::load_scenario(scenario) : std::vector<gyrotwin::PlannedEvent>{};
-    const gyrotwin::AskedEvent* event = options.chosen();
+    const auto event = options.chosen();
     if (app.given_subcommand().empty()) {
       throw gyrotwin::UsageError("what to do, e.g. impulse, is required");
     }
     gyrotwin::MonotonicClock clock;
     gyrotwin::Asker asker(rig, clock);
-    if (event != nullptr) return gyrotwin::cause(rig, asker, *event, options);
+    if (event) return gyrotwin::cause(rig, asker, *event, options);
     if (cancel.given()) return gyrotwin::end(asker, gyrotwin::request_t::CANCEL, id);
     if (clear.given()) return gyrotwin::end(asker, gyrotwin::request_t::CLEAR, 0);
     gyrotwin::play(asker, rig, planned);

@@ -4,19 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "services/runtime/error.hpp"
-#include "services/runtime/spelling.hpp"
 
 namespace gyrotwin {
 
 namespace {
 
-constexpr double kLatest = 1e15;     // [tick]
-constexpr double kLongest = 3600.0;  // [s]
+constexpr std::int64_t kLatest = 1'000'000'000'000'000;  // [tick]
+constexpr double kLongest = 3600.0;                      // [s]
 
 /// What the quantity takes; its unit in --help says enough.
 Check within(const Quantity& quantity) {
@@ -35,31 +34,22 @@ std::string help_of(const Quantity& quantity) {
   return help;
 }
 
-std::string list(std::span<const Target> targets) {
-  std::string text;
-  for (const Target& target : targets) {
-    text += (text.empty() ? "" : ", ") + std::string(target.name);
-  }
-  return text;
-}
-
-/// @throws Error when the kind has no such target
-const Target* target_of(const EventKind& kind, const std::string& word) {
-  const auto found = std::ranges::find(kind.targets, word, &Target::name);
-  if (found != kind.targets.end()) return &*found;
-  std::vector<std::string_view> names;
-  for (const Target& target : kind.targets) names.push_back(target.name);
-  throw Error(fmt::format("{}: there is no `{}`; expected one of {}{}", kind.name, word,
-                          list(kind.targets), did_you_mean(nearest(word, names))));
+std::vector<std::string> names_of(std::span<const Target> targets) {
+  std::vector<std::string> names;
+  for (const Target& target : targets) names.emplace_back(target.name);
+  return names;
 }
 
 }  // namespace
 
-EventOptions::EventOptions(Command& command) : command_(command) {
+EventOptions::EventOptions(Command command) : command_(command) {
   for (const EventKind& kind : event_kinds()) {
-    Command sub = command.add_subcommand(kind.name, kind.summary);
+    Command sub = command_.add_subcommand(kind.name, kind.summary);
     if (!kind.targets.empty()) {
-      sub.add_option("which", which_, list(kind.targets)).required().type("NAME");
+      sub.add_option("target", target_, "What it happens to")
+          .required()
+          .type("TARGET")
+          .check(one_of(names_of(kind.targets)));
     }
     for (const Quantity& quantity : kind.quantities) add_quantity(sub, quantity);
     add_when(sub, kind);
@@ -67,9 +57,7 @@ EventOptions::EventOptions(Command& command) : command_(command) {
 }
 
 void EventOptions::add_quantity(Command& sub, const Quantity& quantity) {
-  const auto take = [this, &quantity](double value) {
-    event_.values.emplace_back(&quantity, value);
-  };
+  const auto take = [this, &quantity](double value) { values_.emplace_back(&quantity, value); };
   if (quantity.form == Quantity::Form::kFlag) {
     sub.add_flag(
         option_of(quantity), [take] { take(1.0); }, help_of(quantity));
@@ -84,7 +72,7 @@ void EventOptions::add_quantity(Command& sub, const Quantity& quantity) {
 void EventOptions::add_when(Command& sub, const EventKind& kind) {
   sub.add_option("--at-tick", start_tick_, "First tick it acts in; default: the next one")
       .type("N")
-      .check(whole_within(1.0, kLatest).untold())
+      .check(whole_within(1, kLatest).untold())
       .group("When");
   const std::string by_itself = kind.name == "impulse" ? "; default: 3 on a terminal" : "";
   sub.add_option("--watch", watch_s_, "Watch the tilt for so long [s]" + by_itself)
@@ -93,13 +81,15 @@ void EventOptions::add_when(Command& sub, const EventKind& kind) {
       .group("When");
 }
 
-const AskedEvent* EventOptions::chosen() {
-  event_.kind = event_kind(command_.given_subcommand());
-  if (event_.kind == nullptr) return nullptr;
-  if (!which_.empty()) event_.target = target_of(*event_.kind, which_);
-  const std::string missing = shortcoming(event_, option_of);
+std::optional<AskedEvent> EventOptions::chosen() const {
+  AskedEvent event{.kind = event_kind(command_.given_subcommand()), .values = values_};
+  if (event.kind == nullptr) return std::nullopt;
+  if (!event.kind->targets.empty()) {
+    event.target = &*std::ranges::find(event.kind->targets, target_, &Target::name);
+  }
+  const std::string missing = shortcoming(event, option_of);
   if (!missing.empty()) throw Error(missing);
-  return &event_;
+  return event;
 }
 
 }  // namespace gyrotwin

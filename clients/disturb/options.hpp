@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/common/event.hpp"
 #include "services/runtime/cli.hpp"
@@ -13,14 +15,14 @@ namespace gyrotwin {
 /// What the command line says of an event.
 class EventOptions {
  public:
-  /// Adds the subcommands to `command`, which must live as long as this object.
-  explicit EventOptions(Command& command);
+  /// Adds the subcommands. CommandLine::run() writes to this object.
+  explicit EventOptions(Command command);
   EventOptions(const EventOptions&) = delete;
   EventOptions& operator=(const EventOptions&) = delete;
 
-  /// The event whose subcommand was given, null when none was.
+  /// The event whose subcommand was given, if one was.
   /// @throws Error naming what is missing
-  const AskedEvent* chosen();
+  std::optional<AskedEvent> chosen() const;
   std::int64_t start_tick() const { return start_tick_; }     ///< 0: the next one
   std::optional<double> watch_s() const { return watch_s_; }  ///< [s]
 
@@ -28,9 +30,9 @@ class EventOptions {
   void add_quantity(Command& sub, const Quantity& quantity);
   void add_when(Command& sub, const EventKind& kind);
 
-  Command& command_;
-  AskedEvent event_;
-  std::string which_;
+  Command command_;
+  std::string target_;
+  std::vector<std::pair<const Quantity*, double>> values_;
   std::int64_t start_tick_ = 0;
   std::optional<double> watch_s_;
 };

@@ -27,7 +27,7 @@ struct Options {
 };
 
 void add_experiment(Command& app, const ExperimentKind& kind, Options& options) {
-  Command sub = app.add_subcommand(std::string(kind.name), std::string(kind.does));
+  Command sub = app.add_subcommand(kind.name, kind.does);
   sub.add_option("file", options.file, "A new log").required().type("FILE");
   sub.add_option("--duration", options.duration_s,
                  kind.name == "run-down"

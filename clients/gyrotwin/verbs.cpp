@@ -26,17 +26,18 @@ std::string list(const std::array<Program, N>& programs) {
 }
 
 /// The verbs as subcommands: to be described, not to be parsed.
-CommandLine described() {
-  CommandLine app(
-      "A gyroscopic platform, its physics and its controller, over the network. Runs the program "
-      "gyrotwin-COMMAND; `gyrotwin COMMAND --help` and `man gyrotwin-COMMAND` tell more of one.",
-      "gyrotwin");
-  app.footer("Example:\n" + std::string(kExample));
-  const auto add = [&app](const Program& p) { app.add_subcommand(p.name, p.summary); };
-  std::ranges::for_each(kDaemons, add);
-  std::ranges::for_each(kClients, add);
-  return app;
-}
+struct Front : CommandLine {
+  Front()
+      : CommandLine(
+            "A gyroscopic platform, its physics and its controller, over the network. Runs the "
+            "program gyrotwin-COMMAND; `gyrotwin COMMAND --help` and `man gyrotwin-COMMAND` tell "
+            "more of one.",
+            "gyrotwin") {
+    footer("Example:\n" + std::string(kExample));
+    for (const Program& p : kDaemons) add_subcommand(p.name, p.summary);
+    for (const Program& p : kClients) add_subcommand(p.name, p.summary);
+  }
+};
 
 }  // namespace
 
@@ -57,9 +58,9 @@ std::string front_page() {
          std::string(kExample);
 }
 
-std::string front_manual() { return described().manual(); }
+std::string front_manual() { return Front().manual(); }
 
-std::string front_words() { return described().completion_words(); }
+std::string front_words() { return Front().completion_words(); }
 
 std::string unknown_verb(std::string_view verb) {
   if (verb.starts_with('-')) {

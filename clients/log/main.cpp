@@ -89,7 +89,7 @@ void add_export(Command& sub, ExportOptions& options) {
   add_selection(sub, options.selection);
   sub.add_option("--every", options.every, "Of each channel, take every N-th message only")
       .type("N")
-      .check(whole_within(1, 1e9).untold());
+      .check(whole_within(1, 1'000'000'000).untold());
   sub.add_flag("--force", options.force, "Replace files that are there");
   sub.add_flag(
       "--uncompressed", [&options] { options.compress = false; },

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -228,7 +229,7 @@ int main(int argc, char** argv) {
   app.add_option("--hosts", options.hosts,
                  "So many others must answer; the search ends when they have. Default: any")
       .type("N")
-      .check(gyrotwin::whole_within(1.0, 1'000.0).untold());
+      .check(gyrotwin::whole_within(1, 1'000).untold());
   app.add_option("--patience", options.patience_s,
                  "How long to wait for whoever may still answer, at first and at the end [s]")
       .type("S")
@@ -237,7 +238,7 @@ int main(int argc, char** argv) {
   app.add_option("--port", options.port,
                  "UDP port of the pings, the same on all hosts; default: network.port + 1000")
       .type("PORT")
-      .check(gyrotwin::whole_within(1.0, 65'535.0).untold());
+      .check(gyrotwin::whole_within(1, 65'535).untold());
   gyrotwin::Command listen =
       app.add_subcommand("listen", "Answer, on the other hosts, until Ctrl-C");
   listen.alias("answer");

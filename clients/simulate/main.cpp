@@ -1,4 +1,8 @@
 // gyrotwin-simulate: a rig offline, faster than real time.
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "clients/common/initial.hpp"
 #include "clients/common/interrupt.hpp"
 #include "clients/common/scenario.hpp"

@@ -2,9 +2,11 @@
 #include <langinfo.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <clocale>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -156,7 +158,7 @@ int main(int argc, char** argv) {
       app.add_option("--count", options.count,
                      "Text or JSON: end after so many; 0: never; gives text on a terminal too")
           .type("N")
-          .check(gyrotwin::whole_within(0.0, 1e15).untold());
+          .check(gyrotwin::whole_within(0, 1'000'000'000'000).untold());
   return app.run(argc, argv, [&] {
     options.plain = interval.given() || count.given();
     return run(rig_options, options);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "services/runtime/error.hpp"
@@ -61,15 +63,6 @@ std::string explained(const CLI::App& app, const CLI::ParseError& error) {
   return (extra ? "not expected: " + list : error.what()) + did_you_mean(meant);
 }
 
-std::string range_text(double low, double high) {
-  const auto plain = [](double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%g", x);
-    return std::string(text);
-  };
-  return plain(low) + " to " + plain(high);
-}
-
 }  // namespace
 
 Check number(std::function<bool(double)> allows, const std::string& what) {
@@ -82,18 +75,27 @@ Check number(std::function<bool(double)> allows, const std::string& what) {
 }
 
 Check number_within(double low, double high) {
-  const std::string range = range_text(low, high);
+  const auto plain = [](double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", x);
+    return std::string(text);
+  };
+  const std::string range = plain(low) + " to " + plain(high);
   Check check = number([=](double x) { return x >= low && x <= high; }, "number from " + range);
   check.allowed = "in " + range;
   return check;
 }
 
-Check whole_within(double low, double high) {
-  const std::string range = range_text(low, high);
-  Check check = number([=](double x) { return x >= low && x <= high && x == std::round(x); },
-                       "whole number from " + range);
-  check.allowed = "in " + range;
-  return check;
+Check whole_within(std::int64_t low, std::int64_t high) {
+  const std::string range = std::to_string(low) + " to " + std::to_string(high);
+  return {[=](const std::string& text) {
+            std::int64_t x = 0;
+            const auto fault = std::from_chars(text.data(), text.data() + text.size(), x).ec;
+            const bool right =
+                fault == std::errc() && text == std::to_string(x) && x >= low && x <= high;
+            return right ? std::string() : '`' + text + "` is no whole number from " + range;
+          },
+          "in " + range};
 }
 
 Check one_of(std::vector<std::string> words) {
@@ -144,6 +146,11 @@ Option& Option::shows_default() {
   return *this;
 }
 
+Option& Option::environment(const std::string& name) {
+  option_->envname(name);
+  return *this;
+}
+
 Option& Option::group(const std::string& name) {
   option_->group(name);
   return *this;
@@ -156,7 +163,7 @@ Option& Option::excludes(const Option& other) {
 
 bool Option::given() const { return option_->count() > 0; }
 
-template <class T>
+template <OptionValue T>
 Option Command::add_option(const std::string& names, T& value, const std::string& help) {
   return Option(app_->add_option(names, value, help));
 }
@@ -206,7 +213,6 @@ CommandLine::CommandLine(const std::string& description, const std::string& prog
   app_->set_version_flag("--version", program + " " GYROTWIN_VERSION);
 }
 
-CommandLine::CommandLine(CommandLine&&) noexcept = default;
 CommandLine::~CommandLine() = default;
 
 void CommandLine::footer(const std::string& text) { app_->footer(text); }
@@ -249,22 +255,22 @@ int CommandLine::run(int argc, char** argv, const std::function<int()>& body) {
   }
 }
 
-RigOptions::RigOptions(Command& command) {
-  CLI::App& app = *command.app_;
-  app.fallthrough();  // subcommands inherit it
-  app.add_option("--rig", rig_, "Rig file, or the name of a shipped rig")
-      ->envname("GYROTWIN_RIG")
-      ->type_name("NAME|FILE")
-      ->capture_default_str()
-      ->group("Rig");
-  app.add_option("--set", overrides_,
-                 "Override a key of the rig file, e.g. loop.rate_hz=500; repeatable")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false)
-      ->group("Rig");
-  app.add_flag("--check-config", check_, "Only check the rig file")->group("Rig");
-  app.add_flag("--print-config", print_, "Only print the rig with its defaults and overrides")
-      ->group("Rig");
+RigOptions::RigOptions(Command command) {
+  command.app_->fallthrough();  // subcommands inherit it
+  command.add_option("--rig", rig_, "Rig file, or the name of a shipped rig")
+      .environment("GYROTWIN_RIG")
+      .type("NAME|FILE")
+      .shows_default()
+      .group("Rig");
+  command
+      .add_option("--set", overrides_,
+                  "Override a key of the rig file, e.g. loop.rate_hz=500; repeatable")
+      .type("KEY=VALUE")
+      .repeatable()
+      .group("Rig");
+  command.add_flag("--check-config", check_, "Only check the rig file").group("Rig");
+  command.add_flag("--print-config", print_, "Only print the rig with its defaults and overrides")
+      .group("Rig");
 }
 
 void RigOptions::override_key(std::string key_and_value) {

@@ -2,8 +2,12 @@
 // alone, for each source that reads it takes ten seconds longer to compile.
 #pragma once
 
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,12 +23,6 @@ class Option;
 
 namespace gyrotwin {
 
-/// What was given does not go together, or something is missing: ends the program as a word does
-/// that the command line does not know.
-struct UsageError : Error {
-  using Error::Error;
-};
-
 /// Whether a word of the command line may be a value.
 struct Check {
   std::function<std::string(const std::string&)> fault;  ///< what is wrong with it; empty: nothing
@@ -37,7 +35,8 @@ struct Check {
 /// A number of which `allows` holds, and otherwise "`x` is no `what`"; never nan or inf.
 Check number(std::function<bool(double)> allows, const std::string& what);
 Check number_within(double low, double high);
-Check whole_within(double low, double high);
+/// Digits, and a sign where `low` is negative; without leading zeros, which others take for octal.
+Check whole_within(std::int64_t low, std::int64_t high);
 
 /// One of these words; says what else was likely meant.
 Check one_of(std::vector<std::string> words);
@@ -48,11 +47,12 @@ class Option {
   Option& type(const std::string& name);  ///< what its value is called
   Option& check(Check check);
   Option& required(bool is = true);
-  Option& repeatable();                    ///< takes one value each time it is given
-  Option& values(int count);               ///< takes so many
-  Option& separated_by(char comma);        ///< or takes several at once
-  Option& shows_default();                 ///< --help says what the variable holds now
-  Option& group(const std::string& name);  ///< its heading in --help; empty: not shown
+  Option& repeatable();                          ///< takes one value each time it is given
+  Option& values(int count);                     ///< takes so many
+  Option& separated_by(char comma);              ///< or takes several at once
+  Option& shows_default();                       ///< --help says what the variable holds now
+  Option& environment(const std::string& name);  ///< a variable that says it where nobody else does
+  Option& group(const std::string& name);        ///< its heading in --help; empty: not shown
   Option& excludes(const Option& other);
   bool given() const;
 
@@ -63,16 +63,21 @@ class Option {
   CLI::Option* option_;
 };
 
+/// What an option can be read into.
+template <class T>
+concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::filesystem::path> ||
+    std::same_as<T, std::vector<std::string>> || std::same_as<T, int> ||
+    std::same_as<T, std::int64_t> || std::same_as<T, std::uint64_t> || std::same_as<T, double> ||
+    std::same_as<T, std::optional<double>>;
+
 /// A program or one of its subcommands, as CommandLine keeps it.
 class Command {
  public:
-  /// `names` without dashes is an argument. `value` keeps what it holds unless the option is given,
-  /// and must live as long as the command line.
-  /// @tparam T std::string, std::filesystem::path, int, std::int64_t, std::uint64_t, double,
-  ///         std::optional<double>, or std::vector<std::string>
-  template <class T>
+  /// `names` without dashes is an argument. `value` keeps what it holds unless the option is given;
+  /// what it and `take` refer to is written to in CommandLine::run().
+  template <OptionValue T>
   Option add_option(const std::string& names, T& value, const std::string& help);
-  /// An option with a number, which `take` gets.
+  /// An option with a number.
   Option add_number(const std::string& names, std::function<void(double)> take,
                     const std::string& help);
   Option add_flag(const std::string& names, bool& value, const std::string& help);
@@ -100,8 +105,9 @@ class CommandLine : public Command {
  public:
   /// @param program e.g. gyrotwin-ctl
   CommandLine(const std::string& description, const std::string& program);
-  CommandLine(CommandLine&&) noexcept;
   ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
 
   void footer(const std::string& text);
 
@@ -121,9 +127,9 @@ class CommandLine : public Command {
 /// The options about the rig: --rig, --set, --check-config, --print-config.
 class RigOptions {
  public:
-  /// Adds them to `command`, which must live as long and gets its subcommands afterwards: the
-  /// options may then stand behind a subcommand too.
-  explicit RigOptions(Command& command);
+  /// Adds them to `command`, which gets its subcommands afterwards: the options may then stand
+  /// behind a subcommand too. CommandLine::run() writes to this object.
+  explicit RigOptions(Command command);
   RigOptions(const RigOptions&) = delete;
   RigOptions& operator=(const RigOptions&) = delete;
 

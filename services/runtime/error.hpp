@@ -20,6 +20,13 @@ class NotReady : public Error {
   using Error::Error;
 };
 
+/// The command line lacks something, or says what does not go together. Programs say where --help
+/// is, too, and exit with 2.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
 /// What was asked for did not come about: refused, not answered, not in time. what() says why and
 /// what to do; programs print it and exit with 1.
 class NotDone : public std::runtime_error {

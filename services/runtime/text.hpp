@@ -12,7 +12,8 @@
 
 namespace gyrotwin {
 
-/// set_text() of a field of any length but 0.
+/// set_text() for fields of all lengths.
+/// @pre !field.empty()
 void write_text(std::span<std::uint8_t> field, fmt::string_view format,
                 fmt::format_args args) noexcept;
 

@@ -48,12 +48,12 @@ Outcome run(const std::vector<std::string>& arguments) {
   return run(arguments, [](const Rig&) -> int { return kDone; });
 }
 
-TEST(RunProgram, ReturnsWhatTheBodyReturns) {
+TEST(CommandLine, ReturnsWhatTheBodyReturns) {
   EXPECT_EQ(run({}).code, 0);
   EXPECT_EQ(run({}, [](const Rig&) -> int { return kNotDone; }).code, 1);
 }
 
-TEST(RunProgram, HelpAndVersionAreAnswersNotErrors) {
+TEST(CommandLine, HelpAndVersionAreAnswersNotErrors) {
   const Outcome help = run({"--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_NE(help.out.find("--set KEY=VALUE"), std::string::npos) << help.out;
@@ -63,7 +63,7 @@ TEST(RunProgram, HelpAndVersionAreAnswersNotErrors) {
   EXPECT_EQ(version.out.find("gyrotwin-trial "), 0U) << version.out;
 }
 
-TEST(RunProgram, WrongUsageEndsWith2AndOneMessage) {
+TEST(CommandLine, WrongUsageEndsWith2AndOneMessage) {
   const Outcome unknown = run({"--sped", "3"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_EQ(unknown.err,
@@ -71,14 +71,14 @@ TEST(RunProgram, WrongUsageEndsWith2AndOneMessage) {
             "`gyrotwin-trial --help` shows what can be given\n");
 }
 
-TEST(RunProgram, ErrorEndsWith2) {
+TEST(CommandLine, ErrorEndsWith2) {
   const Outcome outcome = run({}, [](const Rig&) -> int { throw Error("no such thing"); });
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(outcome.err, "gyrotwin-trial: error: no such thing\n");
 }
 
 // The journal knows the program, and marks what is an error.
-TEST(RunProgram, ForTheJournalAnErrorHasItsPriority) {
+TEST(CommandLine, ForTheJournalAnErrorHasItsPriority) {
   const Outcome outcome = run({}, [](const Rig&) -> int {
     struct stat journal {};
     fstat(STDERR_FILENO, &journal);
@@ -90,7 +90,7 @@ TEST(RunProgram, ForTheJournalAnErrorHasItsPriority) {
   EXPECT_EQ(outcome.err, "<3>no such thing\n");
 }
 
-TEST(RunProgram, WhatGoesWrongWhileRunningEndsWith1) {
+TEST(CommandLine, WhatGoesWrongWhileRunningEndsWith1) {
   const Outcome outcome = run({}, [](const Rig&) -> int { throw std::runtime_error("lost it"); });
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "gyrotwin-trial: error: lost it\n");
@@ -101,7 +101,7 @@ struct Slip {
   std::string meant;  // empty: nothing is near
 };
 
-TEST(RunProgram, SaysWhatAMisspeltWordWasLikelyMeantToBe) {
+TEST(CommandLine, SaysWhatAMisspeltWordWasLikelyMeantToBe) {
   const Slip slips[]{{{"amr"}, "arm"},
                      {{"fualt"}, "fault"},
                      {{"fault", "senser"}, "sensor"},
@@ -137,7 +137,7 @@ TEST(OneOf, RefusesOtherWordsAndSaysWhichWasMeant) {
   EXPECT_NE(run({"--help"}).out.find("--drive TEXT:{torque, voltage}"), std::string::npos);
 }
 
-TEST(FiniteWithin, RefusesWhatIsNoNumberInTheRange) {
+TEST(NumberWithin, RefusesWhatIsNoNumberInTheRange) {
   for (const char* text : {"nan", "inf", "-inf", "-1", "0", "101", "fast", "1x", ""}) {
     const Outcome outcome = run({"--speed=" + std::string(text)});
     EXPECT_EQ(outcome.code, 2) << text;
@@ -147,6 +147,96 @@ TEST(FiniteWithin, RefusesWhatIsNoNumberInTheRange) {
   for (const char* text : {"0.01", "100", "1e1", "3"}) {
     EXPECT_EQ(run({"--speed", text}).code, 0) << text;
   }
+}
+
+TEST(WholeWithin, RefusesWhatIsNoWholeNumberInTheRange) {
+  const Check check = whole_within(-2, 1'000'000'000);
+  for (const char* text : {"-3", "1000000001", "1.5", "1e2", "3.0", "010", "-0", "+1", " 1", "1 ",
+                           "99999999999999999999", "x", ""}) {
+    EXPECT_EQ(check.fault(text),
+              '`' + std::string(text) + "` is no whole number from -2 to 1000000000");
+  }
+  for (const char* text : {"-2", "0", "10", "1000000000"}) EXPECT_EQ(check.fault(text), "") << text;
+  EXPECT_EQ(check.allowed, "in -2 to 1000000000");
+}
+
+/// A program with each kind of option.
+struct Kinds {
+  CommandLine line{"Has options of each kind", "gyrotwin-kinds"};
+  std::string file, link, device;
+  std::vector<std::string> fields, pair, list;
+  double number = 0.0;
+  bool flag = false, called = false;
+  Option linked = line.add_option("--link", link, "");
+  Command sub = line.add_subcommand("sub", "A verb");
+
+  Kinds() {
+    line.add_option("file", file, "");
+    line.add_option("--field", fields, "").repeatable();
+    line.add_option("--pair", pair, "").values(2);
+    line.add_option("--list", list, "").separated_by(',');
+    line.add_option("--device", device, "").excludes(linked);
+    line.add_number(
+        "--number", [this](double x) { number = x; }, "");
+    line.add_flag("--flag", flag, "");
+    line.add_flag(
+        "--call", [this] { called = true; }, "");
+    line.add_subcommand("other", "A verb");
+    sub.alias("second");
+  }
+
+  int run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "gyrotwin-kinds");
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    testing::internal::CaptureStderr();
+    const int code = line.run(static_cast<int>(argv.size()), argv.data(), [this]() -> int {
+      if (file == "none") throw UsageError("a file is required");
+      return kDone;
+    });
+    said = testing::internal::GetCapturedStderr();
+    return code;
+  }
+
+  std::string said;
+};
+
+TEST(Option, TakesWhatItsKindTakes) {
+  Kinds kinds;
+  ASSERT_EQ(kinds.run({"--field", "a", "name", "--field", "b", "--pair", "1", "2", "--list", "x,y",
+                       "--number", "2.5", "--flag", "--call", "--link", "here"}),
+            kDone)
+      << kinds.said;
+  EXPECT_EQ(kinds.fields, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(kinds.file, "name");
+  EXPECT_EQ(kinds.pair, (std::vector<std::string>{"1", "2"}));
+  EXPECT_EQ(kinds.list, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(kinds.number, 2.5);
+  EXPECT_TRUE(kinds.flag);
+  EXPECT_TRUE(kinds.called);
+  EXPECT_TRUE(kinds.linked.given());
+  EXPECT_EQ(kinds.line.given_subcommand(), "");
+
+  EXPECT_EQ(Kinds().run({"--pair", "1"}), kUsage);
+  EXPECT_EQ(Kinds().run({"--link", "a", "--device", "b"}), kUsage);
+  EXPECT_EQ(Kinds().run({"--number", "x"}), kUsage);
+}
+
+TEST(Command, HasOneSubcommandAtMost) {
+  Kinds kinds;
+  ASSERT_EQ(kinds.run({"second"}), kDone) << kinds.said;
+  EXPECT_TRUE(kinds.sub.given());
+  EXPECT_FALSE(kinds.linked.given());
+  EXPECT_EQ(kinds.line.given_subcommand(), "sub");
+  EXPECT_EQ(Kinds().run({"sub", "other"}), kUsage);
+}
+
+TEST(CommandLine, UsageErrorEndsWith2AndTellsWhereHelpIs) {
+  Kinds kinds;
+  EXPECT_EQ(kinds.run({"none"}), kUsage);
+  EXPECT_EQ(kinds.said,
+            "gyrotwin-kinds: error: a file is required\n"
+            "`gyrotwin-kinds --help` shows what can be given\n");
 }
 
 TEST(RigOptions, DefaultIsPrototypeB) {
