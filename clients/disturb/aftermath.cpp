@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <string_view>
+
 #include "clients/common/tilt.hpp"
 #include "services/runtime/mode.hpp"
 
@@ -32,9 +34,11 @@ std::string Aftermath::text() const {
     return fmt::format("{} after {:.3g} s; `gyrotwin ctl reset`, then `gyrotwin ctl arm`",
                        mode_name(mode_), time(tick_));
   }
-  if (peak_ < 0.0) return "STATE tells no tilt to watch";
-  return fmt::format("peak {:.3f} deg after {:.3g} s, {:.3f} deg after {:.3g} s", degrees(peak_),
-                     time(peak_tick_), degrees(tilt_), time(tick_));
+  const std::string_view stopped =
+      mode_ == status_t::MODE_SAFE_STOP ? "; SAFE_STOP, `gyrotwin ctl status` says why" : "";
+  if (peak_ < 0.0) return fmt::format("STATE tells no tilt to watch{}", stopped);
+  return fmt::format("peak {:.3f} deg after {:.3g} s, {:.3f} deg after {:.3g} s{}", degrees(peak_),
+                     time(peak_tick_), degrees(tilt_), time(tick_), stopped);
 }
 
 }  // namespace gyrotwin

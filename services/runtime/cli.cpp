@@ -27,12 +27,26 @@ void complain(const CLI::App& app, const std::string& what) {
   std::fprintf(stderr, "%s%s\n", head.c_str(), what.c_str());
 }
 
-/// Subcommands that may follow what was given, from the innermost outwards, or the options there.
-std::vector<std::string> possible(const CLI::App& app, bool options) {
+/// The subcommand that was given, its subcommand that was given, or the program.
+const CLI::App& innermost(const CLI::App& app) {
   const CLI::App* at = &app;
   while (!at->get_subcommands().empty()) at = at->get_subcommands().back();
+  return *at;
+}
+
+/// Where more is told: "`gyrotwin disturb impulse --help` shows what can be given".
+std::string hint(const CLI::App& app) {
+  std::string words;
+  for (const CLI::App* at = &innermost(app); at != &app; at = at->get_parent()) {
+    words = ' ' + at->get_name() + words;
+  }
+  return "\n`" + as_typed(app) + words + " --help` shows what can be given";
+}
+
+/// Subcommands that may follow what was given, from the innermost outwards, or the options there.
+std::vector<std::string> possible(const CLI::App& app, bool options) {
   std::vector<std::string> names;
-  for (; at != nullptr; at = at->get_parent()) {
+  for (const CLI::App* at = &innermost(app); at != nullptr; at = at->get_parent()) {
     if (!options) {
       for (const CLI::App* sub : at->get_subcommands({})) names.push_back(sub->get_name());
       continue;
@@ -54,13 +68,15 @@ std::string meant_by(const CLI::App& app, const std::string& word) {
 /// What is wrong, and what the first misspelt word was likely meant to be. CLI11 has words that
 /// found no place in reverse order.
 std::string explained(const CLI::App& app, const CLI::ParseError& error) {
-  std::string list, meant;
+  std::string list, advice;
   for (const std::string& word : app.remaining(true)) {
     list += (list.empty() ? "`" : ", `") + word + '`';
-    if (meant.empty()) meant = meant_by(app, word);
+    if (!advice.empty()) continue;
+    const std::string meant = meant_by(app, word);
+    advice = meant == word ? "; one command at a time" : did_you_mean(meant);
   }
   const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
-  return (extra ? "not expected: " + list : error.what()) + did_you_mean(meant);
+  return (extra ? "not expected: " + list : error.what()) + advice;
 }
 
 }  // namespace
@@ -165,7 +181,15 @@ bool Option::given() const { return option_->count() > 0; }
 
 template <OptionValue T>
 Option Command::add_option(const std::string& names, T& value, const std::string& help) {
-  return Option(app_->add_option(names, value, help));
+  Option option(app_->add_option(names, value, help));
+  // As a shell has it for a variable that nobody has set.
+  if constexpr (std::same_as<T, std::string> || std::same_as<T, std::filesystem::path>) {
+    option.check({[](const std::string& text) -> std::string {
+                    return text.empty() ? "is empty, and needs a text" : "";
+                  },
+                  ""});
+  }
+  return option;
 }
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
 template Option Command::add_option(const std::string&, std::filesystem::path&, const std::string&);
@@ -231,17 +255,16 @@ int CommandLine::run(int argc, char** argv, const std::function<int()>& body) {
     std::fputs(completion_words().c_str(), stdout);
     return kDone;
   }
-  const std::string hint = "\n`" + app_->get_name() + " --help` shows what can be given";
   try {
     app_->parse(argc, argv);
     return body();
   } catch (const CLI::Success& answered) {
     return app_->exit(answered);  // prints help or version
   } catch (const CLI::ParseError& error) {
-    complain(*app_, explained(*app_, error) + hint);
+    complain(*app_, explained(*app_, error) + hint(*app_));
     return kUsage;
   } catch (const UsageError& error) {
-    complain(*app_, error.what() + hint);
+    complain(*app_, error.what() + hint(*app_));
     return kUsage;
   } catch (const NotReady& error) {
     complain(*app_, error.what());

@@ -74,7 +74,7 @@ concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::files
 class Command {
  public:
   /// `names` without dashes is an argument. `value` keeps what it holds unless the option is given;
-  /// what it and `take` refer to is written to in CommandLine::run().
+  /// what it and `take` refer to is written to in CommandLine::run(). An empty text is refused.
   template <OptionValue T>
   Option add_option(const std::string& names, T& value, const std::string& help);
   /// An option with a number.

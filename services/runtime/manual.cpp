@@ -71,13 +71,6 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// "gyrotwin ctl" of gyrotwin-ctl.
-std::string as_typed(const CLI::App& app) {
-  std::string name = app.get_name();
-  if (const auto dash = name.find('-'); dash != std::string::npos) name[dash] = ' ';
-  return name;
-}
-
 /// The description's first sentence, as whatis shows it.
 std::string summary(const CLI::App& app) {
   std::string text = app.get_description();
@@ -227,6 +220,12 @@ std::string context_lines(const CLI::App& app, const std::string& path, const st
 }
 
 }  // namespace
+
+std::string as_typed(const CLI::App& app) {
+  std::string name = app.get_name();
+  if (const auto dash = name.find('-'); dash != std::string::npos) name[dash] = ' ';
+  return name;
+}
 
 std::string manual(const CLI::App& app, std::string_view version) {
   const auto subcommands = commands(app, "");

@@ -10,6 +10,9 @@ class App;
 
 namespace gyrotwin {
 
+/// "gyrotwin ctl" of gyrotwin-ctl.
+std::string as_typed(const CLI::App& app);
+
 /// What CommandLine::run() (cli.hpp) prints for --print-manual: the man page, in troff's man
 /// macros: name, synopsis, description, every option, every subcommand with its options, and the
 /// app's footer, of which what begins with "Example" becomes the examples.

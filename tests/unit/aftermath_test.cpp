@@ -55,6 +55,15 @@ TEST(AftermathTest, EndsWhereItFalls) {
   EXPECT_EQ(aftermath.text(), "FALLEN after 0.84 s; `gyrotwin ctl reset`, then `gyrotwin ctl arm`");
 }
 
+TEST(AftermathTest, SaysSoWhereItHasStopped) {
+  Aftermath aftermath(pushed_at(100, 3), kMillisecond, 0.2);
+  EXPECT_TRUE(aftermath.on(state_at(300, 0.5, status_t::MODE_SAFE_STOP)));
+  EXPECT_TRUE(aftermath.over());
+  EXPECT_EQ(aftermath.text(),
+            "peak 0.500 deg after 0.2 s, 0.500 deg after 0.2 s; SAFE_STOP, `gyrotwin ctl status` "
+            "says why");
+}
+
 TEST(AftermathTest, SaysSoWhereThereIsNoTilt) {
   Aftermath aftermath(pushed_at(100, 3), kMillisecond, 0.2);
   state_t state = state_at(300, 0.0);

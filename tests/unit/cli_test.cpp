@@ -68,7 +68,7 @@ TEST(CommandLine, WrongUsageEndsWith2AndOneMessage) {
   EXPECT_EQ(unknown.code, 2);
   EXPECT_EQ(unknown.err,
             "gyrotwin-trial: error: not expected: `--sped`, `3`; did you mean `--speed`?\n"
-            "`gyrotwin-trial --help` shows what can be given\n");
+            "`gyrotwin trial --help` shows what can be given\n");
 }
 
 TEST(CommandLine, ErrorEndsWith2) {
@@ -220,6 +220,8 @@ TEST(Option, TakesWhatItsKindTakes) {
   EXPECT_EQ(Kinds().run({"--pair", "1"}), kUsage);
   EXPECT_EQ(Kinds().run({"--link", "a", "--device", "b"}), kUsage);
   EXPECT_EQ(Kinds().run({"--number", "x"}), kUsage);
+  EXPECT_EQ(Kinds().run({"--link", ""}), kUsage);
+  EXPECT_EQ(Kinds().run({""}), kUsage);
 }
 
 TEST(Command, HasOneSubcommandAtMost) {
@@ -228,7 +230,11 @@ TEST(Command, HasOneSubcommandAtMost) {
   EXPECT_TRUE(kinds.sub.given());
   EXPECT_FALSE(kinds.linked.given());
   EXPECT_EQ(kinds.line.given_subcommand(), "sub");
-  EXPECT_EQ(Kinds().run({"sub", "other"}), kUsage);
+  Kinds both;
+  EXPECT_EQ(both.run({"sub", "other"}), kUsage);
+  EXPECT_EQ(both.said,
+            "gyrotwin-kinds: error: not expected: `other`; one command at a time\n"
+            "`gyrotwin kinds sub --help` shows what can be given\n");
 }
 
 TEST(CommandLine, UsageErrorEndsWith2AndTellsWhereHelpIs) {
@@ -236,7 +242,7 @@ TEST(CommandLine, UsageErrorEndsWith2AndTellsWhereHelpIs) {
   EXPECT_EQ(kinds.run({"none"}), kUsage);
   EXPECT_EQ(kinds.said,
             "gyrotwin-kinds: error: a file is required\n"
-            "`gyrotwin-kinds --help` shows what can be given\n");
+            "`gyrotwin kinds --help` shows what can be given\n");
 }
 
 TEST(RigOptions, DefaultIsPrototypeB) {

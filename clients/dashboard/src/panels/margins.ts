@@ -1,7 +1,7 @@
 // How much is left before something gives, in numbers and words.
 import {card, el, put, say} from '../dom';
 import type {Live} from '../live';
-import {VALID} from '../messages';
+import {FAULT, VALID} from '../messages';
 import {degrees, tiltOf} from '../rig';
 import {amount} from '../units';
 
@@ -62,7 +62,7 @@ export class Margins {
 
   draw(): void {
     const {live} = this;
-    const rig = live.rig, state = live.stale ? null : live.state?.value;
+    const rig = live.rig, state = live.stale || live.mode === FAULT ? null : live.state?.value;
     if (!rig || !state) {
       for (const gauge of this.all) gauge.show(NaN, 0, 0, '');
       return;

@@ -1,7 +1,7 @@
 // Whether the twin agrees with the rig, who is to blame, and what comes next: in words.
 import {card, el, put, say} from '../dom';
 import type {Live} from '../live';
-import {FALLEN, FALLS, type Forecast, SENSORS, SENSOR_VERDICTS, seconds} from '../messages';
+import {FALLEN, FALLS, FAULT, type Forecast, SENSORS, SENSOR_VERDICTS, seconds} from '../messages';
 import {degrees} from '../rig';
 import {amount} from '../units';
 
@@ -38,7 +38,7 @@ export class Twin {
     const health = live.age(live.health) < 1 && !live.stale ? live.health!.value : null;
     const mood = !health || health.verdict === 0 ? 'unknown' : health.verdict === 1 ? 'fine' : 'gone';
     put(this.verdict, 'data-room', mood);
-    say(this.verdict, live.stale ? '· unknown' : !health ? '· no twin is heard: start gyrotwin mirror'
+    say(this.verdict, live.stale ? '· unknown' : !health ? live.mode === FAULT ? '· waits: the rig is in FAULT' : '· no twin is heard: start gyrotwin mirror'
       : `${mood === 'fine' ? '✓' : mood === 'gone' ? '✕' : '·'} ${mood === 'fine' ? `The rig is as the model says${said(health.text)}`
         : health.text || 'settling'}`);
     this.numbers.hidden = !health || health.verdict === 0;
