@@ -114,6 +114,7 @@ Line margins_line(const View& view) {
   if (!state || !state->live()) {
     return line.put("  unknown, STATE is not heard", Tone::kBad);
   }
+  if (state->message.mode == status_t::MODE_FAULT) return line.put("  unknown since the fault");
   const Margins margins = margins_of(view.picture, view.facts);
   if (const auto& tilt = margins.tilt) {
     put_margin(line, fmt::format("tilt {:.1f} deg", degrees(tilt->left)), *tilt,

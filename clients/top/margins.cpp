@@ -26,6 +26,7 @@ Margins margins_of(const Picture& picture, const RigFacts& facts) {
   Margins margins;
   if (!picture.state || !picture.state->live()) return margins;
   const state_t& state = picture.state->message;
+  if (state.mode == status_t::MODE_FAULT) return margins;
   const truth_t* truth = picture.truth && picture.truth->live() ? &picture.truth->message : nullptr;
 
   if ((state.valid & state_t::VALID_TILT) != 0) {

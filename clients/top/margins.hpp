@@ -17,7 +17,7 @@ struct Margin {
   Room room;
 };
 
-/// Those that live messages tell; empty: not known now, or the rig has no such limit.
+/// Those that live messages tell; empty: not known now, as in FAULT, or the rig has no such limit.
 struct Margins {
   std::optional<Margin> tilt;                                    ///< to the fall limit [rad]
   std::array<std::optional<Margin>, model::kMaxGyros> gimbal{};  ///< to the closest stop [rad]

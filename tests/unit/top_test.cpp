@@ -218,6 +218,16 @@ TEST(Screen, MarksWhatIsStale) {
   }
 }
 
+TEST(Screen, TellsNoMarginsOfAFault) {
+  Listening l = busy();
+  EXPECT_TRUE(contains(drawn(l, {24, 80}), "margins  tilt"));
+  state_t state = leaning_state();
+  state.mode = status_t::MODE_FAULT;
+  ++state.header.sequence;
+  l.hear(Channel::kState, state);
+  expect_parts(drawn(l, {24, 80}), {"margins  unknown since the fault"});
+}
+
 TEST(Screen, NamesWhoMustBeStarted) {
   expect_parts(
       drawn(Listening(), {24, 80}),
