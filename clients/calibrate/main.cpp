@@ -29,19 +29,13 @@ struct Options {
   int every = 0, threads = 0;
 };
 
-std::vector<std::string> experiment_names() {
-  std::vector<std::string> names;
-  for (const ExperimentKind& kind : kExperiments) names.emplace_back(kind.name);
-  return names;
-}
-
 void add_what(Command& app, Options& options) {
   app.add_option("logs", options.logs, "Logs of `gyrotwin log record` or `gyrotwin experiment`")
       .required()
       .type("FILE...");
   app.add_option("--experiment", options.experiment,
                  "What was done: says which keys are sought, and what was pinned")
-      .check(one_of(experiment_names()))
+      .check(one_of(names_of(kExperiments)))
       .type("NAME");
   app.add_option("--fit", options.fit,
                  "A key of the rig file to seek, repeatable; default: those of the experiment")

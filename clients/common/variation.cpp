@@ -16,13 +16,6 @@ namespace gyrotwin {
 
 namespace {
 
-template <class Words>
-std::vector<std::string> names_of(const Words& words) {
-  std::vector<std::string> names;
-  for (const auto& word : words) names.emplace_back(word.name);
-  return names;
-}
-
 /// `[a, b]` with every bit.
 std::string toml_list(const std::vector<double>& values) {
   std::string text = "[";

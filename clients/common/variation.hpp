@@ -12,7 +12,8 @@ struct Variation {
   std::string law, mount, track;
 };
 
-/// Adds the three options, which take the words of the rig file. `variation` must live as long.
+/// Adds the three options, which take the words of the rig file. CommandLine::run() writes to
+/// `variation`.
 void add_variation(Command& app, Variation& variation);
 
 /// As if the rig had them; its initial state is carried over to another mount.

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "services/runtime/error.hpp"
 
@@ -32,12 +30,6 @@ std::string help_of(const Quantity& quantity) {
   if (!quantity.unit.symbol.empty()) help += fmt::format(" [{}]", quantity.unit.symbol);
   if (quantity.preset) help += fmt::format("; default {:g}", *quantity.preset);
   return help;
-}
-
-std::vector<std::string> names_of(std::span<const Target> targets) {
-  std::vector<std::string> names;
-  for (const Target& target : targets) names.emplace_back(target.name);
-  return names;
 }
 
 }  // namespace

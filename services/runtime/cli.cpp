@@ -68,14 +68,18 @@ std::string meant_by(const CLI::App& app, const std::string& word) {
 /// What is wrong, and what the first misspelt word was likely meant to be. CLI11 has words that
 /// found no place in reverse order.
 std::string explained(const CLI::App& app, const CLI::ParseError& error) {
+  const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
   std::string list, advice;
   for (const std::string& word : app.remaining(true)) {
     list += (list.empty() ? "`" : ", `") + word + '`';
     if (!advice.empty()) continue;
     const std::string meant = meant_by(app, word);
-    advice = meant == word ? "; one command at a time" : did_you_mean(meant);
+    if (meant != word) {
+      advice = did_you_mean(meant);
+    } else if (extra) {
+      advice = word.starts_with('-') ? "; it comes before the command" : "; one command at a time";
+    }
   }
-  const bool extra = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError);
   return (extra ? "not expected: " + list : error.what()) + advice;
 }
 

@@ -41,6 +41,14 @@ Check whole_within(std::int64_t low, std::int64_t high);
 /// One of these words; says what else was likely meant.
 Check one_of(std::vector<std::string> words);
 
+/// What the things of a table are called.
+template <class Table>
+std::vector<std::string> names_of(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& thing : table) names.emplace_back(thing.name);
+  return names;
+}
+
 /// An option, a flag or an argument, as CommandLine keeps it.
 class Option {
  public:

@@ -237,6 +237,16 @@ TEST(Command, HasOneSubcommandAtMost) {
             "`gyrotwin kinds sub --help` shows what can be given\n");
 }
 
+TEST(Command, HasItsOwnOptionsOnly) {
+  Kinds kinds;
+  EXPECT_EQ(kinds.run({"sub", "--flag"}), kUsage);
+  EXPECT_NE(kinds.said.find("not expected: `--flag`; it comes before the command\n"),
+            std::string::npos)
+      << kinds.said;
+  EXPECT_EQ(run({"fault", "step", "step"}).err.find("gyrotwin-trial: error: --roll is required\n"),
+            0u);
+}
+
 TEST(CommandLine, UsageErrorEndsWith2AndTellsWhereHelpIs) {
   Kinds kinds;
   EXPECT_EQ(kinds.run({"none"}), kUsage);

@@ -38,7 +38,7 @@ export class Twin {
     const health = live.age(live.health) < 1 && !live.stale ? live.health!.value : null;
     const mood = !health || health.verdict === 0 ? 'unknown' : health.verdict === 1 ? 'fine' : 'gone';
     put(this.verdict, 'data-room', mood);
-    say(this.verdict, live.stale ? '· unknown' : !health ? live.mode === FAULT ? '· waits: the rig is in FAULT' : '· no twin is heard: start gyrotwin mirror'
+    say(this.verdict, !health ? absence(live)
       : `${mood === 'fine' ? '✓' : mood === 'gone' ? '✕' : '·'} ${mood === 'fine' ? `The rig is as the model says${said(health.text)}`
         : health.text || 'settling'}`);
     this.numbers.hidden = !health || health.verdict === 0;
@@ -69,6 +69,12 @@ export class Twin {
       ...(forecast.fall_probability > 0.005 ? [`falls with ${(100 * forecast.fall_probability).toFixed(0)} %`] : []),
       ...(full >= 0 ? [full < 0.05 ? 'a drive is at its limit' : `a drive reaches its limit in ${full.toFixed(2)} s`] : [])].join(' · '));
   }
+}
+
+/** Why nothing is known of it. */
+function absence(live: Live): string {
+  if (live.stale) return '· unknown';
+  return live.mode === FAULT ? '· waits: the rig is in FAULT' : '· no twin is heard: start gyrotwin mirror';
 }
 
 /** What the mirror adds to its "agrees". */
